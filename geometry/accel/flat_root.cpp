@@ -1,0 +1,72 @@
+#include "geometry/accel/model_root.h"
+#include "geometry/base/parallel.h"
+
+#include <chrono>
+
+namespace meristem {
+
+namespace {
+
+class FlatRoot final : public ModelRoot {
+ public:
+  FlatRoot(Tessellation tessellation, Key key) : ModelRoot(tessellation.bounds()), patch_(std::move(tessellation)), key_(key) {}
+  void intersect(RayContext& context, RTCRayHit& ray) const override { intersect_patch(patch_, key_, context, ray); }
+  void occluded(RayContext& context, RTCRay& ray) const override { rtcOccluded1(patch_.scene(), &context.embree, &ray); }
+
+ private:
+  SurfacePatch patch_;
+  Key key_;
+};
+
+void append(Tessellation& all, const Tessellation& part) {
+  const auto first_vertex = std::uint32_t(all.positions.size());
+  const auto first_origin = std::uint32_t(all.origins.size());
+  all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
+  all.normals.insert(all.normals.end(), part.normals.begin(), part.normals.end());
+  all.uv.insert(all.uv.end(), part.uv.begin(), part.uv.end());
+  all.origins.insert(all.origins.end(), part.origins.begin(), part.origins.end());
+  for (Tessellation::Grid g : part.grids) all.grids.push_back({g.first_vertex + first_vertex, g.width, g.height, g.origin + first_origin});
+  for (const auto& t : part.triangles) all.triangles.push_back({t[0] + first_vertex, t[1] + first_vertex, t[2] + first_vertex});
+  for (std::uint32_t o : part.triangle_origins) all.triangle_origins.push_back(o + first_origin);
+  all.face_count += part.face_count;
+}
+
+// Expands the tree of cells below one, appending every final surface in the order of the cells.
+class Flattener {
+ public:
+  Flattener(const Model& model, ExpansionCounts& counts, int threads) : model_(model), counts_(counts), threads_(threads) {}
+
+  Tessellation flatten(CellMesh cell, int level) {
+    const auto start = std::chrono::steady_clock::now();
+    Expansion expansion = expand(model_, std::move(cell), level);
+    counts_.add(model_, expansion, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    if (expansion.leaf) return std::move(*expansion.leaf);
+    const InnerCell& inner = *expansion.inner;
+    std::vector<Tessellation> parts(inner.child_count());
+    auto flatten_child = [&](std::size_t i) { parts[i] = flatten(child_cell(model_, inner, i), inner.level); };
+    if (threads_ > 1)
+      parallel_for(parts.size(), flatten_child);
+    else
+      for (std::size_t i = 0; i < parts.size(); ++i) flatten_child(i);
+    Tessellation all;
+    for (Tessellation& part : parts) {
+      append(all, part);
+      part = {};
+    }
+    return all;
+  }
+
+ private:
+  const Model& model_;
+  ExpansionCounts& counts_;
+  const int threads_;
+};
+
+}  // namespace
+
+std::unique_ptr<ModelRoot> make_flat_root(std::shared_ptr<const Model> model, ExpansionCounts& counts, int threads) {
+  Tessellation all = Flattener(*model, counts, threads).flatten(root_cell(*model), 0);
+  return std::make_unique<FlatRoot>(std::move(all), hash_text(model->name()));
+}
+
+}  // namespace meristem

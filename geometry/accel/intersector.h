@@ -1,0 +1,27 @@
+// Intersector: the world as rays see it. Expansion, caching and Embree stand behind it; integrators see only this.
+#pragma once
+
+#include "geometry/accel/surface.h"
+#include "geometry/base/bounds.h"
+#include "geometry/base/statistics.h"
+
+namespace meristem {
+
+class Intersector {
+ public:
+  virtual ~Intersector() = default;
+
+  // The nearest hit in (t_min, t_max). Any thread that run_threads() made. Rays must be finite with a direction other
+  // than zero (a ray that is not hits nothing and is counted). May expand cells; never throws.
+  virtual bool intersect(const Ray& ray, SurfaceHit& hit) const = 0;
+  // Whether anything lies in (t_min, t_max).
+  virtual bool occluded(const Ray& ray) const = 0;
+  // The calling thread holds no SurfaceHit::origin any more: evicted cells may be freed. Call once a camera path.
+  virtual void quiescent() const = 0;
+  // Conservative bounds of everything, known before expansion.
+  virtual Bounds3f bounds() const = 0;
+  // What expansion did so far. Not while threads trace.
+  virtual ExpansionStatistics statistics() const { return {}; }
+};
+
+}  // namespace meristem

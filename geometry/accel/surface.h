@@ -1,0 +1,32 @@
+// What a ray is and what it hits: plain records between the geometry and the renderer.
+#pragma once
+
+#include "geometry/base/vec.h"
+#include "geometry/mesh/face_origin.h"
+
+#include <limits>
+
+namespace meristem {
+
+struct Ray {
+  Vec3f origin;
+  Vec3f direction;     // any length but zero; t is in units of it
+  float t_min = 0;
+  float t_max = std::numeric_limits<float>::infinity();
+  float time = 0;
+};
+
+struct SurfaceHit {
+  float t = std::numeric_limits<float>::infinity();
+  Vec3f position;          // on the surface, world space, from the vertices (not from t)
+  Vec3f position_error;    // bound on |position - exact|, per component, in world space
+  Vec3f geometric_normal;  // unit; towards the outside (counter-clockwise corners), whatever side the ray came from
+  Vec3f shading_normal;    // unit; on the same side of the surface as geometric_normal
+  Vec3f dpdu;              // tangent along growing u (not unit); zero if u does not vary there
+  float u = 0, v = 0;      // propagated texture coordinates
+  int object = -1;         // index into the world's objects
+  const FaceOrigin* origin = nullptr;  // valid until the thread passes its next quiescent point
+  bool valid() const { return t < std::numeric_limits<float>::infinity(); }
+};
+
+}  // namespace meristem

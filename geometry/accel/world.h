@@ -1,0 +1,39 @@
+// World: objects (models placed by transforms) behind one Intersector, expanded lazily, eagerly or flat.
+//
+//   Lazy   a cell expands when a ray enters its bounds; the geometry cache forgets what is no longer used
+//   Eager  the same cells and the same code, all expanded before the first ray; nothing is forgotten
+//   Flat   each model's whole final mesh in one plain Embree scene, as the paper's renderer did
+//
+// Lazy and eager give the same hits bit for bit, for any budget, number of threads and order of rays: what a cell expands to is a pure
+// function of the model, cells are traced through the same hierarchy whether resident or not, and of two hits at the same
+// distance the one with the smaller cell key wins. Flat differs at most in such ties.
+#pragma once
+
+#include "geometry/accel/intersector.h"
+#include "geometry/base/transform.h"
+#include "geometry/cells/model.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace meristem {
+
+enum class ExpandMode : std::uint8_t { Lazy, Eager, Flat };
+
+struct WorldObject {
+  std::shared_ptr<const Model> model;  // objects of one model share its expanded cells
+  Affine3d to_world;
+};
+
+struct WorldOptions {
+  ExpandMode mode = ExpandMode::Lazy;
+  std::size_t budget_bytes = std::size_t(2) << 30;  // of the geometry cache (Lazy)
+  int threads = 1;                                  // for expanding everything (Eager, Flat)
+};
+
+// Makes the world; Eager and Flat expand here. Throws std::runtime_error if Embree fails.
+std::unique_ptr<Intersector> make_world(std::vector<WorldObject> objects, const WorldOptions& options);
+
+}  // namespace meristem

@@ -1,0 +1,60 @@
+#include "geometry/base/parallel.h"
+
+#include <pmmintrin.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <xmmintrin.h>
+
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace meristem {
+
+int default_thread_count() { return int(std::thread::hardware_concurrency() ? tbb::this_task_arena::max_concurrency() : 1); }
+
+ThreadLimit::ThreadLimit(int n)
+    : control_(new tbb::global_control(tbb::global_control::max_allowed_parallelism, std::size_t(n))) {}
+
+ThreadLimit::~ThreadLimit() { delete static_cast<tbb::global_control*>(control_); }
+
+void run_threads(int n, const std::function<void(int)>& work) {
+  std::exception_ptr first;
+  std::mutex mutex;
+  auto guarded = [&](int index) {
+    flush_denormals();
+    try {
+      work(index);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!first) first = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 1; i < n; ++i) threads.emplace_back(guarded, i);
+    guarded(0);
+  }
+  if (first) std::rethrow_exception(first);
+}
+
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
+    flush_denormals();
+    body(i);
+  });
+}
+
+void run_isolated(const std::function<void()>& f) {
+  thread_local tbb::task_arena arena(1);
+  arena.execute(f);
+}
+
+void flush_denormals() {
+  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+  _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+}
+
+}  // namespace meristem

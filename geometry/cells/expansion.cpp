@@ -1,0 +1,133 @@
+#include "geometry/cells/expansion.h"
+
+#include "geometry/cells/extract.h"
+#include "geometry/cells/gather.h"
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+
+namespace meristem {
+
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double estimated_faces(const Model& model, const CellMesh& cell, std::uint32_t face, int level) {
+  const Mesh& mesh = cell.mesh;
+  return model.estimated_faces(mesh.corner_count(face), mesh.origins[mesh.face_origins[face]].symbol, level);
+}
+
+// How an expansion goes on after some steps.
+enum class Next { Step, Split, Finish };
+
+// Carries a cell through steps until it is final or worth splitting.
+class Expander {
+ public:
+  Expander(const Model& model, CellMesh cell, int level) : model_(model), cell_(std::move(cell)), level_(level), first_level_(level) {}
+
+  Expansion run() {
+    result_.work.resize(std::size_t(model_.levels()));
+    is_leaf_ = total_estimate() <= 2.0 * model_.settings().leaf_faces;
+    Next next = Next::Step;
+    while ((next = decide()) == Next::Step) apply_step();
+    if (next == Next::Finish)
+      finish();
+    else
+      split();
+    return std::move(result_);
+  }
+
+ private:
+  double total_estimate() const {
+    double total = 0;
+    for (std::uint32_t f = 0; f < cell_.owned_faces; ++f) total += estimated_faces(model_, cell_, f, level_);
+    return total;
+  }
+
+  double largest_estimate() const {
+    double largest = 0;
+    for (std::uint32_t f = 0; f < cell_.owned_faces; ++f) largest = std::max(largest, estimated_faces(model_, cell_, f, level_));
+    return largest;
+  }
+
+  Next decide() const {
+    if (level_ == model_.levels()) return Next::Finish;
+    if (is_leaf_) return Next::Step;
+    const bool may_split = level_ > first_level_ || cell_.owned_faces > model_.settings().inner_faces;
+    if (!may_split) return Next::Step;
+    const bool children_are_leaves = largest_estimate() <= model_.settings().leaf_faces;
+    const double after = double(cell_.owned_faces) * (model_.step(level_).refines() ? 4 : 2);
+    return children_are_leaves || after > model_.settings().inner_faces ? Next::Split : Next::Step;
+  }
+
+  // Remembers from which faces the run of refinements at the end starts: they become the leaf's grids.
+  void note_roots() {
+    root_corners_.clear();
+    for (std::uint32_t f = 0; f < cell_.owned_faces; ++f) root_corners_.push_back(cell_.mesh.corner_count(f));
+    refinements_ = 0;
+  }
+
+  void apply_step() {
+    const auto start = std::chrono::steady_clock::now();
+    const Step& step = model_.step(level_);
+    if (refinements_ == 0) note_roots();
+    CellMesh out;
+    step.apply(cell_, model_.halo_rings(level_ + 1), out);
+    cell_ = std::move(out);
+    refinements_ = step.refines() ? refinements_ + 1 : 0;
+    StepWork& work = result_.work[std::size_t(level_)];
+    work = {cell_.owned_faces, seconds_since(start)};
+    result_.faces += cell_.owned_faces;
+    ++level_;
+  }
+
+  void finish() {
+    const bool has_grids = refinements_ > 0 && cell_.mesh.corner_count(0) == 4;
+    result_.leaf = tessellate(cell_, root_corners_, has_grids ? refinements_ : 0);
+  }
+
+  void split() {
+    auto inner = std::make_unique<InnerCell>();
+    inner->adjacency = std::make_unique<const Adjacency>(cell_.mesh);
+    inner->level = level_;
+    inner->cell = std::move(cell_);
+    make_children(model_, *inner);
+    result_.inner = std::move(inner);
+  }
+
+  const Model& model_;
+  CellMesh cell_;
+  int level_;
+  const int first_level_;
+  bool is_leaf_ = false;
+  std::vector<std::uint32_t> root_corners_;
+  int refinements_ = 0;
+  Expansion result_;
+};
+
+}  // namespace
+
+std::size_t InnerCell::bytes() const {
+  return sizeof(*this) + cell.mesh.bytes() + cell.rings.capacity() + (adjacency ? adjacency->bytes() : 0) +
+         child_starts.capacity() * 4 + child_faces.capacity() * 4 + child_bounds.capacity() * sizeof(Bounds3f) + child_keys.capacity() * 8;
+}
+
+CellMesh root_cell(const Model& model) { return model.base(); }
+
+CellMesh child_cell(const Model& model, const InnerCell& parent, std::size_t child) {
+  return gather_cell(parent.cell.mesh, *parent.adjacency, parent.faces_of_child(child), model.halo_rings(parent.level));
+}
+
+Expansion expand(const Model& model, CellMesh cell, int level) { return Expander(model, std::move(cell), level).run(); }
+
+Bounds3f model_bounds(const Model& model) {
+  const Mesh& mesh = model.base().mesh;
+  std::vector<std::uint32_t> faces(mesh.face_count());
+  std::iota(faces.begin(), faces.end(), 0u);
+  return round_outwards(final_bounds(model, region_extent(model, mesh, Adjacency(mesh), faces, 0), 0));
+}
+
+}  // namespace meristem

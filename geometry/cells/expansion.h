@@ -1,0 +1,57 @@
+// expand(): what comes of a cell: either its final surface, or its mesh some steps later, cut into child cells.
+//
+// The unit of lazy expansion. A pure function of the model and the cell's own data (mesh and halo): it traces no ray, takes
+// no lock and waits for nothing, so any thread may expand any cell at any time, again after eviction, and get the same bits.
+#pragma once
+
+#include "geometry/cells/model.h"
+#include "geometry/cells/tessellation.h"
+#include "geometry/mesh/adjacency.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace meristem {
+
+// A cell that is split: its mesh before step `level`, and the child cells as runs of `faces`.
+struct InnerCell {
+  CellMesh cell;
+  int level = 0;
+  std::unique_ptr<const Adjacency> adjacency;
+  std::vector<std::uint32_t> child_starts{0};  // into child_faces
+  std::vector<std::uint32_t> child_faces;
+  std::vector<Bounds3f> child_bounds;          // conservative, of everything that will come of the child
+  std::vector<Key> child_keys;
+
+  std::size_t child_count() const { return child_bounds.size(); }
+  std::span<const std::uint32_t> faces_of_child(std::size_t child) const {
+    return {child_faces.data() + child_starts[child], child_starts[child + 1] - child_starts[child]};
+  }
+  std::size_t bytes() const;
+};
+
+struct StepWork {
+  std::uint64_t faces = 0;  // owned faces made
+  double time_s = 0;
+};
+
+struct Expansion {
+  std::optional<Tessellation> leaf;          // exactly one of
+  std::unique_ptr<InnerCell> inner;          // these two
+  std::vector<StepWork> work;                // by level; levels that did not run are zero
+  std::uint64_t faces = 0;                   // owned faces made, over all steps
+};
+
+// The cell that is the whole base mesh, and a child of a split cell with the halo it needs.
+CellMesh root_cell(const Model& model);
+CellMesh child_cell(const Model& model, const InnerCell& parent, std::size_t child);
+
+// Expands a cell before step `level`. Throws what a step throws (a rule that gives non-finite positions, a limit).
+Expansion expand(const Model& model, CellMesh cell, int level);
+
+// Bounds of the whole model, before anything is expanded.
+Bounds3f model_bounds(const Model& model);
+
+}  // namespace meristem

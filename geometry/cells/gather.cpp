@@ -1,0 +1,176 @@
+#include "geometry/cells/gather.h"
+
+#include "geometry/base/check.h"
+#include "geometry/cells/extract.h"
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace meristem {
+
+namespace {
+
+constexpr std::uint32_t none = Adjacency::none;
+
+// Walks around vertices of a mesh, from face to face over shared edges, counter-clockwise.
+class VertexWalk {
+ public:
+  VertexWalk(const Mesh& mesh, const Adjacency& adjacency) : mesh_(mesh), adjacency_(adjacency) {}
+
+  // Calls visit(face) for the other faces around corner k of face f: counter-clockwise from f, and if a boundary stops the walk, clockwise from f.
+  template <class Visit>
+  void around(std::uint32_t f, std::uint32_t k, Visit visit) const {
+    const std::uint32_t v = mesh_.corner_vertices[mesh_.face_starts[f] + k];
+    for (std::uint32_t g = next(f, v, true); g != f; g = next(g, v, true)) {
+      if (g != none) {
+        visit(g);
+        continue;
+      }
+      for (std::uint32_t h = next(f, v, false); h != none; h = next(h, v, false)) visit(h);
+      return;
+    }
+  }
+
+ private:
+  // The face on the other side of the edge of f that enters (counter-clockwise) or leaves v; none beyond a boundary.
+  std::uint32_t next(std::uint32_t f, std::uint32_t v, bool counter_clockwise) const {
+    const auto corners = mesh_.corners(f);
+    const std::uint32_t n = std::uint32_t(corners.size());
+    const std::uint32_t k = std::uint32_t(std::find(corners.begin(), corners.end(), v) - corners.begin());
+    const std::uint32_t side = counter_clockwise ? (k + n - 1) % n : k;
+    const Adjacency::Edge& edge = adjacency_.edge(adjacency_.edge_of_corner(mesh_.face_starts[f] + side));
+    return edge.faces[0] == f ? edge.faces[1] : edge.faces[0];
+  }
+
+  const Mesh& mesh_;
+  const Adjacency& adjacency_;
+};
+
+// A union of small sets of faces: groups that must stand in one cell.
+class Groups {
+ public:
+  explicit Groups(std::uint32_t count) : parent_(count) {
+    for (std::uint32_t i = 0; i < count; ++i) parent_[i] = i;
+  }
+  std::uint32_t find(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = find(a);
+    b = find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+class ChildMaker {
+ public:
+  ChildMaker(const Model& model, InnerCell& inner) : model_(model), inner_(inner), mesh_(inner.cell.mesh) {}
+
+  void run() {
+    std::vector<std::uint32_t> bud_of = find_bud_neighbors();
+    std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> buds;  // by the smallest face of the group
+    for (std::uint32_t f = 0; f < inner_.cell.owned_faces; ++f)
+      if (bud_of[f] != none) buds[bud_of[f]].push_back(f);
+    for (std::uint32_t f = 0; f < inner_.cell.owned_faces; ++f) {
+      if (bud_of[f] == none)
+        add_plain(f);
+      else if (buds[bud_of[f]].front() == f) {
+        close_run();
+        for (std::uint32_t g : buds[bud_of[f]]) run_.push_back(g);
+        close_run();
+      }
+    }
+    close_run();
+  }
+
+ private:
+  bool is_bud(std::uint32_t f) const { return model_.grows_later(mesh_.origins[mesh_.face_origins[f]].symbol, inner_.level); }
+
+  // For owned faces that still grow or touch one that does: the name of their group. Buds that share a neighbour share a group.
+  std::vector<std::uint32_t> find_bud_neighbors() const {
+    std::vector<std::uint32_t> group(mesh_.face_count(), none);
+    Groups groups(mesh_.face_count());
+    for (std::uint32_t bud = 0; bud < mesh_.face_count(); ++bud) {
+      if (!is_bud(bud)) continue;
+      group[bud] = bud;
+      for (std::uint32_t v : mesh_.corners(bud))
+        for (std::uint32_t g : inner_.adjacency->faces_of_vertex(v)) {
+          group[g] = bud;
+          if (is_small_bud_cluster()) groups.join(g, bud);
+        }
+    }
+    for (std::uint32_t f = 0; f < inner_.cell.owned_faces; ++f)
+      if (group[f] != none) group[f] = is_small_bud_cluster() ? groups.find(f) : is_bud(f) ? f : group[f];
+    return group;
+  }
+
+  // Where every face of a dense surface grows (spikes on a cactus), joining neighbours would join everything: then each face stands alone.
+  bool is_small_bud_cluster() const { return bud_share_ < 0.5; }
+
+  void add_plain(std::uint32_t f) {
+    const double faces = model_.estimated_faces(mesh_.corner_count(f), mesh_.origins[mesh_.face_origins[f]].symbol, inner_.level);
+    if (!run_.empty() && run_faces_ + faces > model_.settings().leaf_faces) close_run();
+    run_.push_back(f);
+    run_faces_ += faces;
+  }
+
+  void close_run() {
+    if (run_.empty()) return;
+    const Extent extent = region_extent(model_, mesh_, *inner_.adjacency, run_, inner_.level);
+    inner_.child_faces.insert(inner_.child_faces.end(), run_.begin(), run_.end());
+    inner_.child_starts.push_back(std::uint32_t(inner_.child_faces.size()));
+    inner_.child_bounds.push_back(round_outwards(final_bounds(model_, extent, inner_.level)));
+    inner_.child_keys.push_back(mesh_.face_keys[run_.front()]);
+    run_.clear();
+    run_faces_ = 0;
+  }
+
+  double find_bud_share() const {
+    std::uint32_t buds = 0;
+    for (std::uint32_t f = 0; f < inner_.cell.owned_faces; ++f) buds += is_bud(f);
+    return double(buds) / inner_.cell.owned_faces;
+  }
+
+  const Model& model_;
+  InnerCell& inner_;
+  const Mesh& mesh_;
+  const double bud_share_ = find_bud_share();
+  std::vector<std::uint32_t> run_;
+  double run_faces_ = 0;
+};
+
+}  // namespace
+
+CellMesh gather_cell(const Mesh& mesh, const Adjacency& adjacency, std::span<const std::uint32_t> owned, int rings) {
+  const VertexWalk walk(mesh, adjacency);
+  std::vector<std::uint32_t> faces(owned.begin(), owned.end());
+  std::unordered_map<std::uint32_t, std::uint8_t> ring_of;
+  for (std::uint32_t f : owned) ring_of.emplace(f, std::uint8_t(0));
+  CellMesh cell;
+  cell.owned_faces = std::uint32_t(owned.size());
+  cell.rings.assign(owned.size(), 0);
+  std::size_t begin = 0;
+  for (int ring = 1; ring <= rings; ++ring) {
+    const std::size_t end = faces.size();
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t f = faces[i];
+      for (std::uint32_t k = 0; k < mesh.corner_count(f); ++k)
+        walk.around(f, k, [&](std::uint32_t g) {
+          if (!ring_of.emplace(g, std::uint8_t(ring)).second) return;
+          faces.push_back(g);
+          cell.rings.push_back(std::uint8_t(ring));
+        });
+    }
+    begin = end;
+  }
+  cell.mesh = extract_faces(mesh, faces);
+  return cell;
+}
+
+void make_children(const Model& model, InnerCell& inner) { ChildMaker(model, inner).run(); }
+
+}  // namespace meristem

@@ -1,0 +1,193 @@
+#include "geometry/cells/model.h"
+
+#include "geometry/base/check.h"
+#include "geometry/mesh/contraction.h"
+#include "geometry/mesh/refine.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+
+namespace meristem {
+
+namespace {
+
+constexpr int final_halo_rings = 1;  // what vertex normals of the final mesh need
+
+// Rings needed before every step. u, v left at corners by growth are averaged by the first refinement, which takes one ring more.
+std::vector<int> find_halo_rings(const std::vector<std::unique_ptr<Step>>& steps) {
+  std::vector<int> rings(steps.size() + 1, final_halo_rings);
+  std::size_t first_refinement = steps.size();
+  for (std::size_t i = steps.size(); i-- > 0;)
+    if (steps[i]->refines()) first_refinement = i;
+  for (std::size_t i = steps.size(); i-- > 0;)
+    rings[i] = steps[i]->halo_rings(rings[i + 1]) + (i == first_refinement ? 1 : 0);
+  return rings;
+}
+
+// Collects the faces within two rings of a region, ring 1 first.
+struct Neighborhood {
+  std::vector<std::uint32_t> ring1, ring2;
+
+  Neighborhood(const Mesh& mesh, const Adjacency& adjacency, std::span<const std::uint32_t> faces) {
+    std::vector<std::uint32_t> seen(faces.begin(), faces.end());
+    std::sort(seen.begin(), seen.end());
+    ring1 = ring_around(mesh, adjacency, faces, seen);
+    ring2 = ring_around(mesh, adjacency, ring1, seen);
+  }
+
+ private:
+  static std::vector<std::uint32_t> ring_around(const Mesh& mesh, const Adjacency& adjacency, std::span<const std::uint32_t> faces,
+                                                std::vector<std::uint32_t>& seen) {
+    std::vector<std::uint32_t> ring;
+    for (std::uint32_t f : faces)
+      for (std::uint32_t v : mesh.corners(f))
+        for (std::uint32_t g : adjacency.faces_of_vertex(v))
+          if (!std::binary_search(seen.begin(), seen.end(), g)) ring.push_back(g);
+    std::sort(ring.begin(), ring.end());
+    ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+    const auto middle = seen.insert(seen.end(), ring.begin(), ring.end());
+    std::inplace_merge(seen.begin(), middle, seen.end());
+    return ring;
+  }
+};
+
+double face_edge(const Mesh& mesh, std::uint32_t f) {
+  const auto c = mesh.corners(f);
+  double longest = 0;
+  for (std::size_t i = 0; i < c.size(); ++i)
+    for (std::size_t j = i + 1; j < c.size(); ++j) {
+      const bool is_edge = c.size() != 4 || j == i + 1 || (i == 0 && j == 3);
+      if (is_edge) longest = std::max(longest, length(mesh.positions[c[i]] - mesh.positions[c[j]]));
+    }
+  return longest;
+}
+
+void extend(Interval& interval, double x, bool first) {
+  const float down = std::nextafterf(float(x), -INFINITY), up = std::nextafterf(float(x), INFINITY);
+  interval = first ? Interval{down, up} : Interval{std::min(interval.lower, down), std::max(interval.upper, up)};
+}
+
+class ExtentBuilder {
+ public:
+  ExtentBuilder(const Model& model, const Mesh& mesh, const Adjacency& adjacency, int level)
+      : model_(model), mesh_(mesh), adjacency_(adjacency), level_(level) {
+    extent_.contraction = extent_.next_contraction = 0;
+  }
+
+  void add_control_face(std::uint32_t f) {
+    for (std::uint32_t v : mesh_.corners(f)) extent_.box.extend(mesh_.positions[v]);
+    const FaceOrigin& origin = mesh_.origins[mesh_.face_origins[f]];
+    if (model_.grows_later(origin.symbol, level_)) add_symbol(f, origin);
+  }
+
+  void add_scale_face(std::uint32_t f) {
+    extent_.edge = std::max(extent_.edge, face_edge(mesh_, f));
+    const std::uint32_t n = mesh_.corner_count(f);
+    if (n != 4) {
+      has_other_faces_ = true;
+      extent_.next_contraction = std::max(extent_.next_contraction, general_contraction(n));
+    }
+    for (std::uint32_t c = mesh_.face_starts[f]; c < mesh_.face_starts[f + 1]; ++c) {
+      const std::uint32_t v = mesh_.corner_vertices[c];
+      const Vec2d uv = !mesh_.uv.empty() ? mesh_.uv[v] : !mesh_.corner_uv.empty() ? mesh_.corner_uv[c] : Vec2d{};
+      extend(extent_.u, uv.x, first_uv_);
+      extend(extent_.v, uv.y, first_uv_);
+      first_uv_ = false;
+      extent_.contraction = std::max(extent_.contraction, smoothing_contraction(adjacency_, v));
+    }
+  }
+
+  Extent take() {
+    extent_.next_contraction = std::max(extent_.next_contraction, extent_.contraction);
+    if (has_other_faces_) extent_.contraction = worst_first_contraction;
+    return std::move(extent_);
+  }
+
+ private:
+  void add_symbol(std::uint32_t f, const FaceOrigin& origin) {
+    const FaceFrame frame = face_frame(mesh_, f);
+    double radius = 0;
+    for (std::uint32_t v : mesh_.corners(f)) radius = std::max(radius, length(mesh_.positions[v] - frame.origin));
+    auto range = std::find_if(extent_.symbols.begin(), extent_.symbols.end(), [&](const SymbolRange& s) { return s.symbol == origin.symbol; });
+    const bool is_new = range == extent_.symbols.end();
+    if (is_new) range = extent_.symbols.insert(range, SymbolRange{origin.symbol, {}, 0});
+    range->radius = std::max(range->radius, std::nextafterf(float(radius), INFINITY));
+    for (std::size_t i = 0; i < range->parameters.size(); ++i) {
+      Interval& p = range->parameters[i];
+      const float x = origin.parameters[i];
+      p = is_new ? Interval{x, x} : Interval{std::min(p.lower, x), std::max(p.upper, x)};
+    }
+  }
+
+  const Model& model_;
+  const Mesh& mesh_;
+  const Adjacency& adjacency_;
+  const int level_;
+  Extent extent_;
+  bool first_uv_ = true, has_other_faces_ = false;
+};
+
+}  // namespace
+
+Model::Model(std::string name, Mesh base, std::vector<std::unique_ptr<Step>> steps, CellSettings settings)
+    : name_(std::move(name)), steps_(std::move(steps)), settings_(settings), halo_rings_(find_halo_rings(steps_)) {
+  std::vector<std::uint32_t> faces(base.face_count());
+  std::iota(faces.begin(), faces.end(), 0u);
+  const Bounds3d bounds = final_bounds(*this, region_extent(*this, base, Adjacency(base), faces, 0), 0);
+  const double reach = std::max(max_component(abs(bounds.lower)), max_component(abs(bounds.upper)));
+  if (bounds.empty() || !std::isfinite(reach)) throw std::runtime_error(fmt::format("model \"{}\" has no finite bounds", name_));
+  quantum_ = Quantum::for_reach(std::max(reach, 1e-6));
+  for (const auto& s : steps_) s->set_quantum(quantum_);
+  for (Vec3d& p : base.positions) p = quantum_.round(p);
+  base_.owned_faces = base.face_count();
+  base_.rings.assign(base.face_count(), 0);
+  base_.mesh = std::move(base);
+}
+
+int Model::trailing_refinements(int level) const {
+  int count = 0;
+  for (int i = levels(); i-- > level && step(i).refines();) ++count;
+  return count;
+}
+
+bool Model::grows_later(std::int32_t symbol, int level) const {
+  if (symbol < 0) return false;
+  for (int i = level; i < levels(); ++i)
+    if (step(i).grows(symbol)) return true;
+  return false;
+}
+
+double Model::estimated_faces(std::uint32_t corners, std::int32_t symbol, int level) const {
+  double faces = 1;
+  std::uint32_t n = corners;
+  bool may_grow = grows_later(symbol, level);
+  for (int i = level; i < levels() && faces < 1e18; ++i) {
+    if (!step(i).refines() && !may_grow) continue;
+    faces *= step(i).max_children(n);
+    if (step(i).refines()) n = 4;
+  }
+  return faces;
+}
+
+Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adjacency, std::span<const std::uint32_t> faces, int level) {
+  const Neighborhood neighborhood(mesh, adjacency, faces);
+  ExtentBuilder builder(model, mesh, adjacency, level);
+  for (std::uint32_t f : faces) builder.add_control_face(f);
+  for (std::uint32_t f : neighborhood.ring1) builder.add_control_face(f);
+  for (std::uint32_t f : faces) builder.add_scale_face(f);
+  for (std::uint32_t f : neighborhood.ring1) builder.add_scale_face(f);
+  for (std::uint32_t f : neighborhood.ring2) builder.add_scale_face(f);
+  return builder.take();
+}
+
+Bounds3d final_bounds(const Model& model, Extent extent, int level) {
+  for (int i = level; i < model.levels(); ++i) extent = model.step(i).bound(extent);
+  // Roundings to the grid, one a level, and that of the float vertices.
+  const double size = std::max(max_component(abs(extent.box.lower)), max_component(abs(extent.box.upper)));
+  return extent.box.inflated(Vec3d(model.quantum().step() * (model.levels() + 1) + size * 0x1p-23));
+}
+
+}  // namespace meristem

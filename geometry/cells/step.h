@@ -1,0 +1,73 @@
+// Step: one level of a model's derivation: M(n) -> M(n+1), over the whole mesh or over the mesh of one cell.
+//
+// A step is a pure function of the faces it is given: the children of a face, and the vertices they own, come out with
+// the same bits in every cell that holds the face and enough neighbours. A model's steps are made at load, one object a
+// level, and then only read: any thread may apply them to any cell at the same time.
+#pragma once
+
+#include "geometry/fields/expression.h"
+#include "geometry/mesh/mesh.h"
+#include "geometry/mesh/quantum.h"
+
+#include <string>
+#include <vector>
+
+namespace meristem {
+
+// A mesh with a border region: faces [0, owned_faces) are the cell's own, the others its halo. `rings[f]` is the distance of face f
+// from the owned ones by shared vertices (0 for these, 1 for those that touch one, ...). An eager or base mesh has no halo.
+struct CellMesh {
+  Mesh mesh;
+  std::uint32_t owned_faces = 0;
+  std::vector<std::uint8_t> rings;  // one a face; ascending
+};
+
+// What is known of a region before the next step: enough to bound everything that will ever come of it.
+// Bounds on the growth of edges under one smoothing step at any vertex (contraction.h): of a mesh of quads, and of one with faces of any size.
+// A grow step makes vertices of unknown shape: its bound() sets these.
+constexpr double worst_contraction = 1.0;
+constexpr double worst_first_contraction = 1.42;
+
+struct SymbolRange {           // a symbol that stands on some of the region's faces, and the range of its parameters
+  std::int32_t symbol = -1;
+  std::array<Interval, max_growth_parameters> parameters{};
+  float radius = 0;            // the largest distance of a corner of such a face from its centroid
+};
+struct Extent {
+  Bounds3d box;                // of the control points that the owned faces depend on (owned faces and ring 1)
+  double edge = 0;             // the longest edge within two rings (of faces that are not quads: the largest distance of two corners)
+  double contraction = worst_first_contraction;        // bound on (longest edge after one smoothing) / edge
+  double next_contraction = worst_contraction;         // the same for all smoothings after it
+  Interval u, v;
+  std::vector<SymbolRange> symbols;  // those with a production in a later step
+};
+
+class Step {
+ public:
+  virtual ~Step() = default;
+
+  // For statistics and reports: "grow 2", "subdivide 3 (placed)".
+  virtual std::string name() const = 0;
+  // Rings of halo that the input needs so that the output has `rings_after` complete rings.
+  virtual int halo_rings(int rings_after) const = 0;
+  // The most faces that one face with `corners` corners becomes.
+  virtual std::uint32_t max_children(std::uint32_t corners) const = 0;
+  // Applies the step. Output faces stand grouped by parent in the parents' order; owned children come first; halo beyond
+  // `rings_after` is dropped, as are vertices that no face uses.
+  virtual void apply(const CellMesh& in, int rings_after, CellMesh& out) const = 0;
+  // The extent after the step of everything that comes of a region with extent `e`.
+  virtual Extent bound(const Extent& e) const = 0;
+  // Whether faces with this symbol are replaced by this step.
+  virtual bool grows(std::int32_t symbol) const { (void)symbol; return false; }
+  // Told once, by the model's constructor, before any apply(): the grid on which it must place vertices.
+  virtual void set_quantum(const Quantum& quantum) { (void)quantum; }
+  // Whether vertices are moved off the scheme's smooth position (so that no limit is known).
+  virtual bool displaces() const { return false; }
+  virtual bool refines() const { return false; }
+};
+
+// Computes rings[] by breadth-first search from the owned faces over shared vertices, drops faces beyond max_ring and unused vertices,
+// keeps the order of faces otherwise but sorts by ring (stable).
+void trim_halo(CellMesh& cell, int max_ring);
+
+}  // namespace meristem

@@ -1,0 +1,74 @@
+#include "geometry/fields/expression.h"
+
+#include "geometry/base/check.h"
+#include "geometry/fields/interval.h"
+#include "geometry/fields/parser.h"
+#include "geometry/fields/program.h"
+
+namespace meristem {
+
+int Symbols::add(std::string name, ValueType type, std::string doc) {
+  CHECK(find(name) < 0, "the variable {} is there already", name);
+  entries_.push_back({std::move(name), type, std::move(doc)});
+  return size() - 1;
+}
+
+int Symbols::find(std::string_view name) const {
+  for (int i = 0; i < size(); ++i)
+    if (entries_[std::size_t(i)].name == name) return i;
+  return -1;
+}
+
+namespace {
+
+class CompiledExpression final : public Expression {
+ public:
+  CompiledExpression(std::string_view text, ParsedExpression parsed)
+      : text_(text), graph_(std::move(parsed.graph)), result_(parsed.result), program_(graph_, result_) {}
+
+  ValueType type() const override { return graph_.node(result_).type; }
+  bool is_constant() const override { return graph_.is_constant(result_); }
+  bool uses(int slot) const override { return program_.uses(slot); }
+  bool uses_random() const override { return program_.uses_random(); }
+  const std::string& text() const override { return text_; }
+
+  void evaluate(const Block& block, float* x, float* y, float* z) const override {
+    program_.run(best_kernels(), block, x, y, z);
+  }
+  IntervalValue evaluate_bounds(std::span<const IntervalValue> inputs) const override {
+    return bounds_of(graph_, result_, inputs);
+  }
+
+ private:
+  std::string text_;
+  Graph graph_;
+  NodeId result_;
+  Program program_;
+};
+
+// One point as a block: each value stands for all.
+Vec3f evaluate_one(const Expression& e, std::span<const Vec3f> values, Key key, Key salt) {
+  std::vector<Input> inputs;
+  for (const Vec3f& v : values) inputs.push_back({&v.x, &v.y, &v.z, 0});
+  Vec3f result;
+  e.evaluate({1, inputs, &key, salt}, &result.x, &result.y, &result.z);
+  return result;
+}
+
+}  // namespace
+
+std::shared_ptr<const Expression> Expression::compile(std::string_view text, const Symbols& symbols, ValueType wanted) {
+  return std::make_shared<CompiledExpression>(text, parse_expression(text, symbols, wanted));
+}
+
+float Expression::evaluate_scalar(std::span<const Vec3f> values, Key key, Key salt) const {
+  CHECK(type() == ValueType::Scalar, "\"{}\" is a vector", text());
+  return evaluate_one(*this, values, key, salt).x;
+}
+
+Vec3f Expression::evaluate_vector(std::span<const Vec3f> values, Key key, Key salt) const {
+  CHECK(type() == ValueType::Vector, "\"{}\" is a scalar", text());
+  return evaluate_one(*this, values, key, salt);
+}
+
+}  // namespace meristem

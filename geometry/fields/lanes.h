@@ -1,0 +1,98 @@
+// Lanes: the few vector operations that the kernels of the expression language are written in, over 4 lanes (SSE4.2) or
+// 8 lanes (AVX2). Every operation acts on each lane by itself and is exact or correctly rounded, and there is no fused
+// multiply-add, so a lane gets the same bits with either width and at any position.
+//
+// Only for the kernel_*.cpp files, which define MERISTEM_LANES first; everything is local to them.
+#pragma once
+
+#include <cstdint>
+#include <immintrin.h>
+
+#ifndef MERISTEM_LANES
+#error "lanes.h is only for the kernels"
+#endif
+#if MERISTEM_LANES == 8
+#pragma GCC target("avx2")  // after the includes: inline functions of other headers must stay at the baseline
+#endif
+#pragma GCC diagnostic ignored "-Wunused-function"
+
+namespace meristem {
+namespace {
+
+constexpr int width = MERISTEM_LANES;
+
+typedef float F __attribute__((vector_size(4 * width)));
+typedef std::int32_t I __attribute__((vector_size(4 * width)));
+typedef std::uint32_t U __attribute__((vector_size(4 * width)));
+typedef double D __attribute__((vector_size(4 * width)));        // half as many lanes
+typedef std::int64_t L __attribute__((vector_size(4 * width)));
+typedef std::uint64_t UL __attribute__((vector_size(4 * width)));
+typedef F LooseF __attribute__((aligned(4), may_alias));
+
+#define MERISTEM_INLINE [[gnu::always_inline]] inline
+
+MERISTEM_INLINE F load(const float* p) { return *reinterpret_cast<const LooseF*>(p); }
+MERISTEM_INLINE void store(float* p, F v) { *reinterpret_cast<LooseF*>(p) = v; }
+MERISTEM_INLINE F splat(float v) { return F{} + v; }
+MERISTEM_INLINE I splat(std::int32_t v) { return I{} + v; }
+MERISTEM_INLINE D splat(double v) { return D{} + v; }
+
+// Like the instructions, min and max give b if either is NaN. blend takes b where the top bit of mask is set. truncate
+// gives INT_MIN where the value does not fit.
+#if MERISTEM_LANES == 8
+MERISTEM_INLINE F min(F a, F b) { return _mm256_min_ps(a, b); }
+MERISTEM_INLINE F max(F a, F b) { return _mm256_max_ps(a, b); }
+MERISTEM_INLINE D min(D a, D b) { return _mm256_min_pd(a, b); }
+MERISTEM_INLINE D max(D a, D b) { return _mm256_max_pd(a, b); }
+MERISTEM_INLINE F floor(F a) { return _mm256_floor_ps(a); }
+MERISTEM_INLINE F ceil(F a) { return _mm256_ceil_ps(a); }
+MERISTEM_INLINE F trunc(F a) { return _mm256_round_ps(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
+MERISTEM_INLINE D floor(D a) { return _mm256_floor_pd(a); }
+MERISTEM_INLINE D trunc(D a) { return _mm256_round_pd(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
+MERISTEM_INLINE F sqrt(F a) { return _mm256_sqrt_ps(a); }
+MERISTEM_INLINE D sqrt(D a) { return _mm256_sqrt_pd(a); }
+MERISTEM_INLINE I truncate(F a) { return I(_mm256_cvttps_epi32(a)); }
+MERISTEM_INLINE F to_float(I a) { return _mm256_cvtepi32_ps(__m256i(a)); }
+MERISTEM_INLINE F blend(F a, F b, I mask) { return _mm256_blendv_ps(a, b, __m256(mask)); }
+MERISTEM_INLINE D blend(D a, D b, L mask) { return _mm256_blendv_pd(a, b, __m256d(mask)); }
+MERISTEM_INLINE D lower_half(F a) { return _mm256_cvtps_pd(_mm256_castps256_ps128(a)); }
+MERISTEM_INLINE D upper_half(F a) { return _mm256_cvtps_pd(_mm256_extractf128_ps(a, 1)); }
+MERISTEM_INLINE F join(D lower, D upper) {
+  return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(lower)), _mm256_cvtpd_ps(upper), 1);
+}
+#else
+MERISTEM_INLINE F min(F a, F b) { return _mm_min_ps(a, b); }
+MERISTEM_INLINE F max(F a, F b) { return _mm_max_ps(a, b); }
+MERISTEM_INLINE D min(D a, D b) { return _mm_min_pd(a, b); }
+MERISTEM_INLINE D max(D a, D b) { return _mm_max_pd(a, b); }
+MERISTEM_INLINE F floor(F a) { return _mm_floor_ps(a); }
+MERISTEM_INLINE F ceil(F a) { return _mm_ceil_ps(a); }
+MERISTEM_INLINE F trunc(F a) { return _mm_round_ps(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
+MERISTEM_INLINE D floor(D a) { return _mm_floor_pd(a); }
+MERISTEM_INLINE D trunc(D a) { return _mm_round_pd(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
+MERISTEM_INLINE F sqrt(F a) { return _mm_sqrt_ps(a); }
+MERISTEM_INLINE D sqrt(D a) { return _mm_sqrt_pd(a); }
+MERISTEM_INLINE I truncate(F a) { return I(_mm_cvttps_epi32(a)); }
+MERISTEM_INLINE F to_float(I a) { return _mm_cvtepi32_ps(__m128i(a)); }
+MERISTEM_INLINE F blend(F a, F b, I mask) { return _mm_blendv_ps(a, b, __m128(mask)); }
+MERISTEM_INLINE D blend(D a, D b, L mask) { return _mm_blendv_pd(a, b, __m128d(mask)); }
+MERISTEM_INLINE D lower_half(F a) { return _mm_cvtps_pd(a); }
+MERISTEM_INLINE D upper_half(F a) { return _mm_cvtps_pd(_mm_movehl_ps(a, a)); }
+MERISTEM_INLINE F join(D lower, D upper) { return _mm_movelh_ps(_mm_cvtpd_ps(lower), _mm_cvtpd_ps(upper)); }
+#endif
+
+constexpr float largest = 3.40282347e38f;
+
+MERISTEM_INLINE F clamp(F a, F lower, F upper) { return min(max(a, lower), upper); }
+MERISTEM_INLINE D clamp(D a, D lower, D upper) { return min(max(a, lower), upper); }
+// Results are finite: what would overflow becomes the largest number of its sign.
+MERISTEM_INLINE F finite(F a) { return clamp(a, splat(-largest), splat(largest)); }
+MERISTEM_INLINE D finite(D a) { return clamp(a, splat(-double(largest)), splat(double(largest))); }
+MERISTEM_INLINE F abs(F a) { return F(I(a) & splat(INT32_MAX)); }
+MERISTEM_INLINE D abs(D a) { return D(L(a) & (L{} + INT64_MAX)); }
+MERISTEM_INLINE F copy_sign(F magnitude, F sign) { return F((I(magnitude) & splat(INT32_MAX)) | (I(sign) & splat(INT32_MIN))); }
+MERISTEM_INLINE D copy_sign(D magnitude, D sign) { return D((L(magnitude) & (L{} + INT64_MAX)) | (L(sign) & (L{} + INT64_MIN))); }
+MERISTEM_INLINE F one_where(I mask) { return F(I(splat(1.0f)) & mask); }
+
+}  // namespace
+}  // namespace meristem

@@ -1,0 +1,236 @@
+#include "geometry/io/obj_reader.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+#include <unordered_map>
+
+namespace meristem {
+
+namespace {
+
+constexpr int max_errors = 20;
+constexpr std::uintmax_t max_file_bytes = std::uintmax_t(1)
+                                          << 30;  // fewer than 2^30 vertices and corners: 32 bits count them
+constexpr std::size_t max_face_corners = 1000;    // repeated vertices are looked for in quadratic time
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+class Reader {
+ public:
+  Reader(const std::shared_ptr<const SourceText>& source, Diagnostics& diagnostics)
+      : source_(source), diagnostics_(diagnostics), at_(source->text.data()), end_(at_ + source->text.size()) {}
+
+  ObjMesh read() {
+    while (at_ < end_ && errors_ < max_errors) {
+      read_statement(next_word());
+      skip_line();
+    }
+    if (errors_ == 0 && mesh_.face_count() == 0) error(source_->text.data(), "the file holds no faces");
+    return std::move(mesh_);
+  }
+
+ private:
+  void read_statement(std::string_view keyword) {
+    if (keyword == "v")
+      read_position();
+    else if (keyword == "vt")
+      read_uv();
+    else if (keyword == "f")
+      read_face();
+    else if (keyword == "g")
+      set_name(group_);
+    else if (keyword == "usemtl")
+      set_name(material_);
+  }
+
+  void read_position() {
+    Vec3d p;
+    if (read_number(p.x) && read_number(p.y) && read_number(p.z)) mesh_.positions.push_back(p);
+  }
+
+  void read_uv() {
+    Vec2d uv;
+    if (!read_number(uv.x)) return;
+    if (!at_line_end() && !read_number(uv.y)) return;  // one coordinate is allowed
+    mesh_.uv.push_back(uv);
+  }
+
+  void read_face() {
+    const char* const start = at_;
+    const std::size_t first = mesh_.corner_positions.size();
+    bool good = true;
+    while (good && !at_line_end()) good = read_corner();
+    if (good) good = check_face(start, first);
+    if (!good) {
+      mesh_.corner_positions.resize(first);
+      mesh_.corner_uv.resize(first);
+      return;
+    }
+    mesh_.face_starts.push_back(std::uint32_t(mesh_.corner_positions.size()));
+    mesh_.face_names.push_back(current_name());
+  }
+
+  bool check_face(const char* start, std::size_t first) {
+    const std::size_t count = mesh_.corner_positions.size() - first;
+    if (count < 3) return error(start, fmt::format("a face needs at least 3 corners, found {}", count));
+    if (count > max_face_corners)
+      return error(start, fmt::format("a face has {} corners; at most {} are read", count, max_face_corners));
+    for (std::size_t i = first; i < first + count; ++i)
+      for (std::size_t j = i + 1; j < first + count; ++j)
+        if (mesh_.corner_positions[i] == mesh_.corner_positions[j])
+          return error(start, fmt::format("a face has vertex {} twice", mesh_.corner_positions[i] + 1));
+    return true;
+  }
+
+  // p, p/t, p//n or p/t/n
+  bool read_corner() {
+    std::uint32_t position = 0, uv = ObjMesh::none;
+    if (!read_index(mesh_.positions.size(), "vertex", position)) return false;
+    if (take('/')) {
+      if (at_ < end_ && *at_ != '/' && !read_index(mesh_.uv.size(), "texture coordinate", uv)) return false;
+      if (take('/')) skip_word();  // the normal
+    }
+    if (at_ < end_ && !is_blank(*at_) && *at_ != '\n' && *at_ != '\\' && *at_ != '#')
+      return error(at_, "expected a blank between the corners of a face");
+    mesh_.corner_positions.push_back(position);
+    mesh_.corner_uv.push_back(uv);
+    return true;
+  }
+
+  bool read_index(std::size_t count, const char* what, std::uint32_t& index) {
+    long long written = 0;
+    const auto [next, code] = std::from_chars(at_, end_, written);
+    if (code == std::errc::invalid_argument) return error(at_, fmt::format("expected the number of a {}", what));
+    const long long n = static_cast<long long>(count);
+    const long long zero_based = written > 0 ? written - 1 : n + written;
+    if (code != std::errc{} || written == 0 || zero_based < 0 || zero_based >= n)
+      return error(at_, fmt::format("there is no {} {}; there are {} so far", what,
+                                    std::string_view(at_, std::size_t(next - at_)), count));
+    at_ = next;
+    index = std::uint32_t(zero_based);
+    return true;
+  }
+
+  bool read_number(double& number) {
+    skip_blanks();
+    const char* begin = at_ < end_ && *at_ == '+' ? at_ + 1 : at_;
+    const auto [next, code] = std::from_chars(begin, end_, number);
+    if (code == std::errc::invalid_argument) return error(at_, "expected a number");
+    if (code != std::errc{} || !std::isfinite(number)) return error(at_, "the number is not finite or out of range");
+    at_ = next;
+    return true;
+  }
+
+  // The rest of the line, blanks at its ends removed.
+  void set_name(std::string& name) {
+    skip_blanks();
+    const char* begin = at_;
+    while (at_ < end_ && *at_ != '\n' && *at_ != '#') ++at_;
+    const char* last = at_;
+    while (last > begin && is_blank(last[-1])) --last;
+    name.assign(begin, last);
+    name_is_stale_ = true;
+  }
+
+  std::uint32_t current_name() {
+    if (!name_is_stale_) return name_;
+    const std::string& name = group_.empty() ? material_ : group_;
+    const auto [entry, is_new] = name_index_.try_emplace(name, std::uint32_t(mesh_.names.size()));
+    if (is_new) mesh_.names.push_back(name);
+    name_is_stale_ = false;
+    return name_ = entry->second;
+  }
+
+  bool take(char c) {
+    if (at_ >= end_ || *at_ != c) return false;
+    ++at_;
+    return true;
+  }
+
+  // Blanks, and ends of lines behind a backslash.
+  void skip_blanks() {
+    for (;;) {
+      while (at_ < end_ && is_blank(*at_)) ++at_;
+      if (at_ >= end_ || *at_ != '\\') return;
+      const char* next = at_ + 1;
+      if (next < end_ && *next == '\r') ++next;
+      if (next >= end_ || *next != '\n') return;
+      at_ = next + 1;
+    }
+  }
+
+  bool at_line_end() {
+    skip_blanks();
+    return at_ >= end_ || *at_ == '\n' || *at_ == '#';
+  }
+
+  std::string_view next_word() {
+    skip_blanks();
+    const char* begin = at_;
+    skip_word();
+    return {begin, std::size_t(at_ - begin)};
+  }
+
+  void skip_word() {
+    while (at_ < end_ && !is_blank(*at_) && *at_ != '\n' && *at_ != '#') ++at_;
+  }
+
+  // To the beginning of the next line; a backslash before the end of this one joins the next to it.
+  void skip_line() {
+    for (; at_ < end_; ++at_) {
+      if (*at_ != '\n') continue;
+      const char* last = at_;
+      if (last > source_->text.data() && last[-1] == '\r') --last;
+      if (last > source_->text.data() && last[-1] == '\\') continue;
+      ++at_;
+      return;
+    }
+  }
+
+  bool error(const char* where, std::string message) {
+    ++errors_;
+    diagnostics_.error({source_, std::size_t(where - source_->text.data())}, std::move(message));
+    return false;
+  }
+
+  const std::shared_ptr<const SourceText>& source_;
+  Diagnostics& diagnostics_;
+  const char* at_;
+  const char* end_;
+  int errors_ = 0;
+  ObjMesh mesh_;
+  std::string group_, material_;
+  std::unordered_map<std::string, std::uint32_t> name_index_;
+  std::uint32_t name_ = 0;
+  bool name_is_stale_ = true;
+};
+
+}  // namespace
+
+ObjMesh read_obj(const std::shared_ptr<const SourceText>& source, Diagnostics& diagnostics) {
+  return Reader(source, diagnostics).read();
+}
+
+ObjMesh load_obj(const std::string& path, const Location& where, Diagnostics& diagnostics) {
+  const auto fail = [&](std::string message) {
+    diagnostics.error(where, std::move(message));
+    return ObjMesh{};
+  };
+  std::error_code code;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, code);
+  if (code) return fail(fmt::format("cannot read \"{}\": {}", path, code.message()));
+  if (bytes > max_file_bytes)
+    return fail(fmt::format("\"{}\" has {} bytes; at most {} are read", path, bytes, max_file_bytes));
+  auto source = std::make_shared<SourceText>(SourceText{path, std::string(std::size_t(bytes), '\0')});
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(source->text.data(), std::streamsize(bytes))) return fail(fmt::format("cannot read \"{}\"", path));
+  return read_obj(source, diagnostics);
+}
+
+}  // namespace meristem

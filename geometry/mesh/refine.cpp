@@ -1,0 +1,257 @@
+#include "geometry/mesh/refine.h"
+
+#include "geometry/base/check.h"
+
+namespace meristem {
+
+namespace {
+
+// What refinement interpolates, as one row of numbers so that loops run over all of them: x, y, z, u, v, and one to spare.
+struct Row {
+  double c[6] = {};
+
+  Row& operator+=(const Row& b) {
+    for (int i = 0; i < 6; ++i) c[i] += b.c[i];
+    return *this;
+  }
+  Row operator*(double s) const {
+    Row r;
+    for (int i = 0; i < 6; ++i) r.c[i] = c[i] * s;
+    return r;
+  }
+};
+
+Row operator+(Row a, const Row& b) { return a += b; }
+
+// Rounds every column to its grid.
+class RowGrid {
+ public:
+  RowGrid(double position_step, double uv_step) {
+    for (int i = 0; i < 6; ++i) magic_.c[i] = (i < 3 ? position_step : uv_step) * 0x1.8p52;
+  }
+  Row round(Row r) const {
+    for (int i = 0; i < 6; ++i) r.c[i] = (r.c[i] + magic_.c[i]) - magic_.c[i];
+    return r;
+  }
+
+ private:
+  Row magic_;
+};
+
+// The scheme's vertex placement over one plan. Sums are exact (all terms on the grid); each result is rounded once.
+class Smoothing {
+ public:
+  Smoothing(const Mesh& mesh, const RefinePlan& plan, const Quantum& quantum)
+      : plan_(plan), grid_(quantum.step(), unit_quantum.step()), fine_grid_(quantum.step() / 16, unit_quantum.step() / 16),
+        out_(plan.computed_vertices) {
+    read(mesh);
+    const bool is_loop = plan.corners_per_face == 3;
+    if (!is_loop) find_face_points(mesh);
+    for (const auto& v : plan.face_vertices) out_[v.out] = grid_.round(face_points_[v.face]);
+    for (const auto& v : plan.edge_vertices) out_[v.out] = grid_.round(is_loop ? loop_edge(v) : edge(v));
+    for (const auto& v : plan.vertex_vertices) out_[v.out] = grid_.round(is_loop ? vertex<true>(v) : vertex<false>(v));
+  }
+  const std::vector<Row>& result() const { return out_; }
+
+ private:
+  void read(const Mesh& mesh) {
+    const std::vector<Vec2d> uv = vertex_uv(mesh);
+    in_.resize(mesh.vertex_count());
+    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+      const Vec3d p = mesh.positions[v];
+      in_[v] = {{p.x, p.y, p.z, uv[v].x, uv[v].y, 0}};
+    }
+  }
+
+  // Face points of quads are exact on a grid 4 times finer; others are rounded to one 16 times finer, so that their sums stay exact.
+  void find_face_points(const Mesh& mesh) {
+    face_points_.resize(mesh.face_count());
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+      Row sum;
+      for (std::uint32_t v : mesh.corners(f)) sum += in_[v];
+      face_points_[f] = fine_grid_.round(sum * (1.0 / mesh.corner_count(f)));
+    }
+  }
+
+  static Row blend(const Row& smooth, const Row& sharp, double sharp_weight) {
+    return sharp_weight == 0 ? smooth : sharp_weight == 1 ? sharp : smooth * (1 - sharp_weight) + sharp * sharp_weight;
+  }
+
+  // Catmull and Clark 1978: the mean of the ends and the two face points; on a crease the midpoint.
+  Row edge(const RefinePlan::EdgeVertex& v) const {
+    const Row ends = in_[v.ends[0]] + in_[v.ends[1]];
+    if (v.crease == 1) return ends * 0.5;
+    return blend((ends + face_points_[v.faces[0]] + face_points_[v.faces[1]]) * 0.25, ends * 0.5, v.crease);
+  }
+
+  // Loop 1987: 3/8 of the ends, 1/8 of the opposite vertices.
+  Row loop_edge(const RefinePlan::EdgeVertex& v) const {
+    const Row ends = in_[v.ends[0]] + in_[v.ends[1]];
+    if (v.crease == 1) return ends * 0.5;
+    return blend((ends * 3.0 + in_[v.opposite[0]] + in_[v.opposite[1]]) * 0.125, ends * 0.5, v.crease);
+  }
+
+  template <bool is_loop>
+  Row by_rule(const RefinePlan::VertexVertex& v, RefinePlan::Rule rule, const std::uint32_t ends[2]) const {
+    switch (rule) {
+      case RefinePlan::Rule::Corner: return in_[v.vertex];
+      case RefinePlan::Rule::Crease: return (in_[v.vertex] * 6.0 + in_[ends[0]] + in_[ends[1]]) * 0.125;
+      case RefinePlan::Rule::Smooth: break;
+    }
+    return is_loop ? loop_smooth(v) : catmull_clark_smooth(v);
+  }
+
+  template <bool is_loop>
+  Row vertex(const RefinePlan::VertexVertex& v) const {
+    const Row row = by_rule<is_loop>(v, v.rule, v.ends);
+    return v.weight == 1 ? row : by_rule<is_loop>(v, v.next_rule, v.next_ends) * (1 - double(v.weight)) + row * v.weight;
+  }
+
+  Row neighbor_sum(const RefinePlan::VertexVertex& v) const {
+    Row sum;
+    for (std::uint32_t i = 0; i < v.neighbor_count; ++i) sum += in_[plan_.neighbors[v.first_neighbor + i]];
+    return sum;
+  }
+
+  // (n - 2)/n of the vertex, 1/n^2 of each neighbour and of each face point.
+  Row catmull_clark_smooth(const RefinePlan::VertexVertex& v) const {
+    Row sum = neighbor_sum(v);
+    for (std::uint32_t i = 0; i < v.face_count; ++i) sum += face_points_[plan_.vertex_faces[v.first_face + i]];
+    const double n = v.neighbor_count;
+    return (in_[v.vertex] * (n * (n - 2)) + sum) * (1 / (n * n));
+  }
+
+  // Loop 1987: beta = (5/8 - (3/8 + cos(2 pi/n)/4)^2)/n for each neighbour.
+  Row loop_smooth(const RefinePlan::VertexVertex& v) const {
+    const double n = v.neighbor_count;
+    const double c = 0.375 + 0.25 * std::cos(2 * pi / n);
+    const double beta = n == 6 ? 0.0625 : (0.625 - c * c) / n;
+    return in_[v.vertex] * (1 - n * beta) + neighbor_sum(v) * beta;
+  }
+
+  const RefinePlan& plan_;
+  const RowGrid grid_, fine_grid_;
+  std::vector<Row> in_, face_points_, out_;
+};
+
+std::vector<Key> refined_face_keys(const Mesh& mesh, const RefinePlan& plan, Key step_key) {
+  std::vector<Key> keys(plan.face_parents.size());
+  for (std::size_t f = 0; f < keys.size(); ++f)
+    keys[f] = hash_keys(mesh.face_keys[plan.face_parents[f]], step_key + plan.face_child_index[f]);
+  return keys;
+}
+
+std::vector<Key> refined_vertex_keys(const Mesh& mesh, const RefinePlan& plan, Key step_key) {
+  std::vector<Key> keys(plan.kept_vertices);
+  for (const auto& v : plan.face_vertices)
+    if (v.out < plan.kept_vertices) keys[v.out] = hash_keys(mesh.face_keys[v.face], step_key ^ 1);
+  for (const auto& v : plan.edge_vertices)
+    if (v.out < plan.kept_vertices)
+      keys[v.out] = hash_keys(hash_unordered(mesh.vertex_keys[v.ends[0]], mesh.vertex_keys[v.ends[1]]), step_key ^ 2);
+  for (const auto& v : plan.vertex_vertices)
+    if (v.out < plan.kept_vertices) keys[v.out] = hash_keys(mesh.vertex_keys[v.vertex], step_key ^ 3);
+  return keys;
+}
+
+double mean_diagonal(const std::vector<Vec3d>& p, const std::uint32_t* c, std::uint32_t count) {
+  if (count == 4) return 0.5 * (length(p[c[2]] - p[c[0]]) + length(p[c[3]] - p[c[1]]));
+  return (length(p[c[1]] - p[c[0]]) + length(p[c[2]] - p[c[1]]) + length(p[c[0]] - p[c[2]])) / 3;
+}
+
+// The direction of growing u over a face: the gradient of P with respect to u, by least squares over two edges; zero if u, v do not vary.
+Vec3d face_tangent(const RefinedMesh& m, const std::uint32_t* c, std::uint32_t count) {
+  const Vec3d p1 = m.positions[c[1]] - m.positions[c[0]], p2 = m.positions[c[count - 1]] - m.positions[c[0]];
+  const Vec2d t1 = m.uv[c[1]] - m.uv[c[0]], t2 = m.uv[c[count - 1]] - m.uv[c[0]];
+  const double determinant = t1.x * t2.y - t1.y * t2.x;
+  const Vec3d tangent = determinant != 0 ? (p1 * t2.y - p2 * t1.y) / determinant : p1 * t1.x + p2 * t2.x;
+  return unit_quantum.round(normalize(tangent));
+}
+
+Vec3d tangent_in_plane(Vec3d sum, Vec3d normal) {
+  const Vec3d t = normalize(sum - normal * dot(sum, normal));
+  if (t != Vec3d{}) return t;
+  Vec3d s, unused;
+  orthonormal_basis(normal, s, unused);
+  return s;
+}
+
+}  // namespace
+
+std::vector<Vec2d> vertex_uv(const Mesh& mesh) {
+  if (!mesh.uv.empty()) return mesh.uv;
+  std::vector<Vec2d> uv(mesh.vertex_count());
+  if (mesh.corner_uv.empty()) return uv;
+  std::vector<std::uint32_t> count(mesh.vertex_count(), 0);
+  for (std::size_t c = 0; c < mesh.corner_vertices.size(); ++c) {
+    const std::uint32_t v = mesh.corner_vertices[c];
+    uv[v] = uv[v] + Vec2d{unit_quantum.round(mesh.corner_uv[c].x), unit_quantum.round(mesh.corner_uv[c].y)};
+    ++count[v];
+  }
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    if (count[v]) uv[v] = {unit_quantum.round(uv[v].x / count[v]), unit_quantum.round(uv[v].y / count[v])};
+  return uv;
+}
+
+Vec3d unit_face_normal(std::span<const Vec3d> positions, const std::uint32_t* corners, std::uint32_t count) {
+  if (count == 4)
+    return unit_quantum.round(normalize(cross(positions[corners[2]] - positions[corners[0]], positions[corners[3]] - positions[corners[1]])));
+  const Vec3d origin = positions[corners[0]];
+  Vec3d normal;
+  for (std::uint32_t i = 1; i + 1 < count; ++i) normal += cross(positions[corners[i]] - origin, positions[corners[i + 1]] - origin);
+  return unit_quantum.round(normalize(normal));
+}
+
+RefinedMesh refine(const Mesh& mesh, const RefinePlan& plan, const Quantum& quantum, Key step_key) {
+  const Smoothing smoothing(mesh, plan, quantum);
+  RefinedMesh refined;
+  refined.positions.reserve(plan.computed_vertices);
+  refined.uv.reserve(plan.computed_vertices);
+  for (const Row& r : smoothing.result()) {
+    refined.positions.push_back({r.c[0], r.c[1], r.c[2]});
+    refined.uv.push_back({r.c[3], r.c[4]});
+  }
+  Mesh& out = refined.mesh;
+  out.face_starts = plan.face_starts;
+  out.corner_vertices = plan.corner_vertices;
+  out.corner_sharpness = plan.corner_sharpness;
+  out.vertex_sharpness = plan.vertex_sharpness;
+  out.positions.assign(refined.positions.begin(), refined.positions.begin() + plan.kept_vertices);
+  out.uv.assign(refined.uv.begin(), refined.uv.begin() + plan.kept_vertices);
+  out.face_keys = refined_face_keys(mesh, plan, step_key);
+  out.vertex_keys = refined_vertex_keys(mesh, plan, step_key);
+  out.origins = mesh.origins;
+  out.face_origins.reserve(plan.face_parents.size());
+  for (std::uint32_t parent : plan.face_parents) out.face_origins.push_back(mesh.face_origins[parent]);
+  return refined;
+}
+
+LocalGeometry local_geometry(const RefinePlan& plan, const RefinedMesh& refined, const Quantum& quantum, bool with_tangents) {
+  // Sums run over all computed vertices (those beyond the kept ones come out incomplete and are dropped).
+  std::vector<Vec3d> normals(plan.computed_vertices), tangents(with_tangents ? plan.computed_vertices : 0);
+  std::vector<double> diagonals(plan.computed_vertices, 0.0);
+  std::vector<std::uint32_t> count(plan.computed_vertices, 0);
+  const std::uint32_t n = plan.corners_per_face;
+  for (std::size_t i = 0; i < plan.normal_faces.size(); i += n) {
+    const std::uint32_t* corners = &plan.normal_faces[i];
+    const Vec3d normal = unit_face_normal(refined.positions, corners, n);
+    const double diagonal = quantum.round(mean_diagonal(refined.positions, corners, n));
+    const Vec3d tangent = with_tangents ? face_tangent(refined, corners, n) : Vec3d{};
+    for (std::uint32_t k = 0; k < n; ++k) {
+      normals[corners[k]] += normal;
+      diagonals[corners[k]] += diagonal;
+      ++count[corners[k]];
+      if (with_tangents) tangents[corners[k]] += tangent;
+    }
+  }
+  LocalGeometry local;
+  local.normals.reserve(plan.kept_vertices);
+  local.scales.reserve(plan.kept_vertices);
+  for (std::uint32_t v = 0; v < plan.kept_vertices; ++v) {
+    local.normals.push_back(normalize(normals[v]));
+    local.scales.push_back(diagonals[v] / std::max(1u, count[v]));
+    if (with_tangents) local.tangents.push_back(tangent_in_plane(tangents[v], local.normals[v]));
+  }
+  return local;
+}
+
+}  // namespace meristem

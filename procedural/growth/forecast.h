@@ -1,0 +1,21 @@
+// What can be told of a model's derivation before anything grows, from the rules alone; for the loader.
+#pragma once
+
+#include "geometry/base/source.h"
+#include "geometry/cells/step.h"
+
+#include <memory>
+#include <span>
+
+namespace meristem {
+
+// How many faces the model will have after all steps: the expected number where weights are constant and conditions
+// certain, else an upper bound. `extent`: that of the whole base mesh. Cheap: grows with the number of steps and rules,
+// not with the faces.
+double estimated_faces(const Mesh& base, const Extent& extent, std::span<const std::unique_ptr<Step>> steps);
+
+// Reports every production whose template cannot stand on a face that it may meet (a fork on a triangle), following the
+// symbols from the base mesh through all steps; conditions are taken to hold.
+void check_corner_counts(const Mesh& base, std::span<const std::unique_ptr<Step>> steps, Diagnostics& diagnostics);
+
+}  // namespace meristem

@@ -1,0 +1,148 @@
+#include "procedural/subdivision/subdivide_step.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <stdexcept>
+
+namespace meristem {
+
+namespace {
+
+// Slots of placement_symbols(), in order.
+enum Slot { slot_p, slot_n, slot_scale, slot_t, slot_b, slot_u, slot_v, slot_level, slot_kind, slot_count };
+
+// Structure-of-arrays inputs of the placement of some vertices.
+class PlacementInputs {
+ public:
+  explicit PlacementInputs(std::size_t count) : count_(count) {}
+
+  template <class Get>
+  void vector(Slot slot, Get get) {
+    Columns& c = columns_[slot];
+    c.resize(3 * count_);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Vec3d v = get(i);
+      c[i] = float(v.x);
+      c[count_ + i] = float(v.y);
+      c[2 * count_ + i] = float(v.z);
+    }
+    inputs_[slot] = {c.data(), c.data() + count_, c.data() + 2 * count_, 1};
+  }
+  template <class Get>
+  void scalar(Slot slot, Get get) {
+    Columns& c = columns_[slot];
+    c.resize(count_);
+    for (std::size_t i = 0; i < count_; ++i) c[i] = float(get(i));
+    inputs_[slot] = {c.data(), nullptr, nullptr, 1};
+  }
+  void uniform(Slot slot, float value) {
+    columns_[slot] = {value};
+    inputs_[slot] = {columns_[slot].data(), nullptr, nullptr, 0};
+  }
+  std::span<const Input> inputs() const { return inputs_; }
+
+ private:
+  using Columns = std::vector<float>;
+  std::size_t count_;
+  std::array<Columns, slot_count> columns_;
+  std::array<Input, slot_count> inputs_;
+};
+
+double largest(const Interval& i) { return std::max(std::abs(double(i.lower)), std::abs(double(i.upper))); }
+
+}  // namespace
+
+const Symbols& placement_symbols() {
+  static const Symbols symbols = [] {
+    Symbols s;
+    s.add("P", ValueType::Vector, "smooth position in the model's space, in metres");
+    s.add("N", ValueType::Vector, "local normal: mean normal of the faces that meet here, of unit length");
+    s.add("scale", ValueType::Scalar, "local scale: mean diagonal of the faces that meet here, in metres");
+    s.add("T", ValueType::Vector, "unit tangent along growing u");
+    s.add("B", ValueType::Vector, "unit tangent at right angles to N and T");
+    s.add("u", ValueType::Scalar, "texture coordinate around a stem");
+    s.add("v", ValueType::Scalar, "texture coordinate along a stem");
+    s.add("level", ValueType::Scalar, "level of subdivision, from 1 over the whole model");
+    s.add("kind", ValueType::Scalar, "what the vertex comes from: 0 a vertex, 1 an edge, 2 a face");
+    return s;
+  }();
+  return symbols;
+}
+
+std::string SubdivideStep::name() const {
+  return fmt::format("subdivide {}{}", settings_.level, settings_.place ? " (placed)" : "");
+}
+
+std::uint32_t SubdivideStep::max_children(std::uint32_t corners) const {
+  return settings_.refine.scheme == Scheme::Loop ? 4 : corners;
+}
+
+void SubdivideStep::apply(const CellMesh& in, int rings_after, CellMesh& out) const {
+  const auto plan = shared_refine_plan(in.mesh, in.owned_faces, rings_after, settings_.refine);
+  RefinedMesh refined = refine(in.mesh, *plan, settings_.quantum, settings_.step_key);
+  out.owned_faces = plan->owned_faces;
+  out.rings = plan->rings;
+  out.mesh = std::move(refined.mesh);
+  if (settings_.place) place_vertices(*plan, refined, out.mesh);
+}
+
+void SubdivideStep::place_vertices(const RefinePlan& plan, const RefinedMesh& refined, Mesh& mesh) const {
+  const Expression& place = *settings_.place;
+  const bool with_tangents = place.uses(slot_t) || place.uses(slot_b);
+  const LocalGeometry local = local_geometry(plan, refined, settings_.quantum, with_tangents);
+  const std::size_t count = mesh.vertex_count();
+
+  PlacementInputs inputs(count);
+  if (place.uses(slot_p)) inputs.vector(slot_p, [&](std::size_t i) { return mesh.positions[i]; });
+  if (place.uses(slot_n)) inputs.vector(slot_n, [&](std::size_t i) { return local.normals[i]; });
+  if (place.uses(slot_scale)) inputs.scalar(slot_scale, [&](std::size_t i) { return local.scales[i]; });
+  if (place.uses(slot_t)) inputs.vector(slot_t, [&](std::size_t i) { return local.tangents[i]; });
+  if (place.uses(slot_b)) inputs.vector(slot_b, [&](std::size_t i) { return cross(local.normals[i], local.tangents[i]); });
+  if (place.uses(slot_u)) inputs.scalar(slot_u, [&](std::size_t i) { return mesh.uv[i].x; });
+  if (place.uses(slot_v)) inputs.scalar(slot_v, [&](std::size_t i) { return mesh.uv[i].y; });
+  if (place.uses(slot_kind)) inputs.scalar(slot_kind, [&](std::size_t i) { return double(int(plan.kinds[i])); });
+  inputs.uniform(slot_level, float(settings_.level));
+
+  std::vector<float> x(count), y(count), z(count);
+  place.evaluate({int(count), inputs.inputs(), mesh.vertex_keys.data(), settings_.step_key}, x.data(), y.data(), z.data());
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3d offset{x[i], y[i], z[i]};
+    if (!is_finite(offset)) throw std::runtime_error(fmt::format("{}: the placement \"{}\" is not finite", name(), place.text()));
+    mesh.positions[i] = settings_.quantum.round(mesh.positions[i] + offset);
+  }
+}
+
+Extent SubdivideStep::bound(const Extent& e) const {
+  Extent after = e;
+  after.contraction = e.next_contraction;
+  after.edge = e.edge * e.contraction;
+  if (!settings_.place) return after;
+
+  // Diagonals of the new faces: edges from edge points to face points are at most half an edge before (a whole one where
+  // faces are not quads, which have contraction above 1), the others at most `contraction` of it.
+  const double half = e.contraction > worst_contraction ? 1.0 : 0.5;
+  const double scale = (3 * half + e.contraction) / 2 * e.edge;
+  std::array<IntervalValue, slot_count> inputs{};
+  auto interval = [](double lower, double upper) { return Interval{std::nextafterf(float(lower), -INFINITY), std::nextafterf(float(upper), INFINITY)}; };
+  inputs[slot_p] = {interval(e.box.lower.x, e.box.upper.x), interval(e.box.lower.y, e.box.upper.y), interval(e.box.lower.z, e.box.upper.z),
+                    std::numeric_limits<float>::infinity()};
+  for (Slot s : {slot_n, slot_t, slot_b}) {
+    constexpr float one = 1.0f + 1e-6f;
+    inputs[s] = {{-one, one}, {-one, one}, {-one, one}, one};
+  }
+  inputs[slot_scale] = IntervalValue::scalar(0, interval(0, scale).upper);
+  inputs[slot_u].x = e.u;
+  inputs[slot_v].x = e.v;
+  inputs[slot_level] = IntervalValue::scalar(float(settings_.level), float(settings_.level));
+  inputs[slot_kind] = IntervalValue::scalar(0, 2);
+  const IntervalValue offset = settings_.place->evaluate_bounds(inputs);
+
+  const Vec3d reach{largest(offset.x), largest(offset.y), largest(offset.z)};
+  after.box.lower += min(Vec3d{offset.x.lower, offset.y.lower, offset.z.lower}, Vec3d{});
+  after.box.upper += max(Vec3d{offset.x.upper, offset.y.upper, offset.z.upper}, Vec3d{});
+  after.edge += 2 * std::min(length(reach), double(offset.max_length));
+  return after;
+}
+
+}  // namespace meristem

@@ -1,0 +1,52 @@
+#include "renderer/cameras/perspective.h"
+
+namespace meristem {
+
+Perspective::Perspective(Params& params) {
+  const Vec3d from = params.vector("from", {0, 1.5, 6}, {-1e9, 1e9, "m"}, "where the camera stands");
+  const Vec3d to = params.vector("to", {0, 1, 0}, {-1e9, 1e9, "m"}, "the point in the middle of the image");
+  const Vec3d up = params.vector("up", {0, 1, 0}, any_range, "the direction that points up in the image");
+  const double fov = params.real("fov", 40, {0.01, 170, "deg"}, "vertical field of view");
+  shift_x_ = float(params.real("shift_x", 0, {-10, 10, ""}, "shift of the image to the right, in image heights"));
+  shift_y_ = float(params.real("shift_y", 0, {-10, 10, ""}, "shift of the image upwards, in image heights"));
+
+  Vec3d forward = normalize(to - from);
+  if (length_squared(forward) == 0) {
+    params.error("to", "the camera looks at the point where it stands: \"to\" must differ from \"from\"");
+    forward = {0, 0, -1};
+  }
+  Vec3d right = normalize(cross(forward, normalize(up)));
+  if (length_squared(right) == 0) {
+    params.error("up", "\"up\" must not be zero or parallel to the view direction");
+    Vec3d unused;
+    orthonormal_basis(forward, right, unused);
+  }
+  target_ = to;
+  origin_ = Vec3f(from);
+  forward_ = Vec3f(forward);
+  right_ = Vec3f(right);
+  up_ = Vec3f(cross(right, forward));
+  half_height_ = float(std::tan(fov * pi / 360));
+}
+
+Vec3f Perspective::image_point(Vec2f film, int width, int height) const {
+  const float pixel = 2 * half_height_ / float(height);
+  return {(film.x - 0.5f * float(width)) * pixel + 2 * half_height_ * shift_x_,
+          (0.5f * float(height) - film.y) * pixel + 2 * half_height_ * shift_y_, 1};
+}
+
+float Perspective::footprint(Vec3f position, int width, int height) const {
+  const Vec3f v = position - origin_;
+  const float distance = length(v);
+  const float z = dot(v, forward_);
+  const float half_width = half_height_ * float(width) / float(height);
+  const float corner = std::hypot(half_width + 2 * half_height_ * std::abs(shift_x_),
+                                  half_height_ + 2 * half_height_ * std::abs(shift_y_));
+  const float cone_cosine = 1 / std::sqrt(1 + corner * corner);
+  const float pixel = 2 * half_height_ / float(height);
+  if (z >= distance * cone_cosine) return pixel * z;
+  const float outside = std::acos(std::clamp(z / distance, -1.f, 1.f)) - std::acos(cone_cosine);
+  return pixel * distance * cone_cosine * (1 + 2 * std::max(0.f, outside));
+}
+
+}  // namespace meristem

@@ -1,0 +1,33 @@
+// Perspective: what all perspective cameras share: where they stand, their image plane and the footprint of a pixel.
+// Reads the parameters from, to, up, fov, shift_x, shift_y. Immutable; any thread.
+#pragma once
+
+#include "renderer/scene/interfaces.h"
+
+namespace meristem {
+
+class Perspective {
+ public:
+  explicit Perspective(Params& params);
+
+  Vec3f origin() const { return origin_; }
+  Vec3d target() const { return target_; }  // `to`
+  // The point of the image plane at depth 1 behind a film position, as a vector from origin(): right, up, forward.
+  Vec3f image_point(Vec2f film, int width, int height) const;
+  Vec3f to_world(Vec3f v) const { return right_ * v.x + up_ * v.y + forward_ * v.z; }
+  // Depth of a world position along the view direction.
+  float depth(Vec3f position) const { return dot(position - origin_, forward_); }
+
+  // The side of a pixel at the depth of `position`. Inside the smallest cone around the axis that holds the image this
+  // is the exact projection. Outside, the depth is that on the cone's edge at the same distance, and the size grows by
+  // the factor 1 + 2 * (radians outside): what only mirrors and shadows see need not be as fine. Continuous everywhere.
+  float footprint(Vec3f position, int width, int height) const;
+
+ private:
+  Vec3d target_;
+  Vec3f origin_, right_, up_, forward_;
+  float half_height_ = 0;           // of the image plane at depth 1
+  float shift_x_ = 0, shift_y_ = 0; // in image heights
+};
+
+}  // namespace meristem

@@ -1,0 +1,69 @@
+#include "renderer/cli/commands.h"
+
+#include "renderer/cli/console.h"
+#include "renderer/language/describe.h"
+#include "renderer/language/schema.h"
+#include "renderer/report/comparison.h"
+#include "renderer/scene/all_components.h"
+
+#include <fmt/format.h>
+
+namespace meristem {
+
+namespace {
+
+std::string scene_summary(const std::string& path, const LoadedScene& loaded) {
+  const Scene& scene = *loaded.scene;
+  const RenderSettings& settings = scene.settings;
+  const Bounds3f bounds = scene.intersector->bounds();
+  std::string text = fmt::format("{}: no errors, {} warnings\n", path, loaded.warnings.size());
+  text += fmt::format("  image      {} x {} pixels, {} samples, {} bounces\n", settings.width, settings.height,
+                      settings.samples, settings.max_depth);
+  text += fmt::format("  lights     {}\n  materials  {}\n", scene.lights.size(), scene.materials.size());
+  if (!bounds.empty())
+    text += fmt::format("  bounds     [{:.4g}, {:.4g}, {:.4g}] to [{:.4g}, {:.4g}, {:.4g}]\n", bounds.lower.x,
+                        bounds.lower.y, bounds.lower.z, bounds.upper.x, bounds.upper.y, bounds.upper.z);
+  return text + fmt::format("  sha256     {}\n", loaded.sha256);
+}
+
+}  // namespace
+
+int compare_command(const CompareOptions& options) {
+  if (options.scene == "-") throw UsageError("compare reads the scene several times: it needs a file");
+  ComparisonOptions comparison_options;
+  comparison_options.scene = options.scene;
+  comparison_options.runs = options.runs;
+  comparison_options.render_options = options.render_options;
+  comparison_options.starting = [&](const std::string& mode, int run) {
+    print_error(fmt::format("rendering {} (run {} of {})", mode, run, options.runs));
+  };
+  const Comparison comparison = compare_modes(comparison_options);
+  print_result(options.json ? comparison_json(comparison) : comparison_table(comparison));
+  return comparison.exit_code();
+}
+
+int check_command(const std::string& path, const SceneLoader& load) {
+  const LoadedScene loaded = load(path, {});
+  print_diagnostics(loaded.warnings);
+  print_result(scene_summary(path, loaded));
+  return int(ExitCode::Done);
+}
+
+int describe_command(const std::string& name) {
+  const std::string page = describe(catalogue(), name);
+  if (page.empty()) {
+    const std::vector<std::string> names = described_names(catalogue());
+    const std::string_view near = nearest_name(name, names);
+    throw UsageError(fmt::format("nothing is named \"{}\"{}; `meristem describe` lists what there is", name,
+                                 near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+  }
+  print_result(page);
+  return int(ExitCode::Done);
+}
+
+int schema_command() {
+  print_result(json_schema(catalogue()));
+  return int(ExitCode::Done);
+}
+
+}  // namespace meristem

@@ -1,0 +1,169 @@
+#include "renderer/color/color.h"
+
+#include "geometry/base/check.h"
+
+#include <OpenColorIO/OpenColorIO.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include <strings.h>
+
+namespace meristem {
+
+namespace ocio = OCIO_NAMESPACE;
+
+namespace {
+
+constexpr const char* working_space = "Linear Rec.709 (sRGB)";
+constexpr const char* display_name = "sRGB";
+
+ocio::BuiltinTransformRcPtr builtin(const char* style,
+                                    ocio::TransformDirection direction = ocio::TRANSFORM_DIR_FORWARD) {
+  ocio::BuiltinTransformRcPtr transform = ocio::BuiltinTransform::Create();
+  transform->setStyle(style);
+  transform->setDirection(direction);
+  return transform;
+}
+
+ocio::ColorSpaceRcPtr scene_space(const char* name, const ocio::ConstTransformRcPtr& to_reference) {
+  ocio::ColorSpaceRcPtr space = ocio::ColorSpace::Create(ocio::REFERENCE_SPACE_SCENE);
+  space->setName(name);
+  space->setBitDepth(ocio::BIT_DEPTH_F32);
+  if (to_reference) space->setTransform(to_reference, ocio::COLORSPACE_DIR_TO_REFERENCE);
+  return space;
+}
+
+// The scene reference is ACES2065-1: all of OpenColorIO's camera and output transforms start or end there.
+void add_scene_spaces(ocio::Config& config) {
+  ocio::GroupTransformRcPtr rec709 = ocio::GroupTransform::Create();
+  rec709->appendTransform(builtin("UTILITY - ACES-AP1_to_LINEAR-REC709_BFD", ocio::TRANSFORM_DIR_INVERSE));
+  rec709->appendTransform(builtin("ACEScg_to_ACES2065-1"));
+  config.addColorSpace(scene_space("ACES2065-1", nullptr));
+  config.addColorSpace(scene_space("ACEScg", builtin("ACEScg_to_ACES2065-1")));
+  config.addColorSpace(scene_space(working_space, rec709));
+  const ocio::ColorSpaceRcPtr raw = scene_space("Raw", nullptr);
+  raw->setIsData(true);
+  config.addColorSpace(raw);
+  config.setRole(ocio::ROLE_SCENE_LINEAR, working_space);
+  config.setRole("aces_interchange", "ACES2065-1");
+  config.setRole(ocio::ROLE_DEFAULT, "Raw");
+}
+
+void add_view(ocio::Config& config, const char* name, const char* aces_to_xyz) {
+  ocio::ViewTransformRcPtr transform = ocio::ViewTransform::Create(ocio::REFERENCE_SPACE_SCENE);
+  transform->setName(name);
+  transform->setTransform(builtin(aces_to_xyz), ocio::VIEWTRANSFORM_DIR_FROM_REFERENCE);
+  config.addViewTransform(transform);
+  config.addDisplayView(display_name, name, name, display_name, "", "", "");
+}
+
+// The display reference is CIE XYZ with the white D65; the display's space leads from there to code values.
+void add_display(ocio::Config& config) {
+  ocio::ColorSpaceRcPtr display = ocio::ColorSpace::Create(ocio::REFERENCE_SPACE_DISPLAY);
+  display->setName(display_name);
+  display->setTransform(builtin("DISPLAY - CIE-XYZ-D65_to_sRGB"), ocio::COLORSPACE_DIR_FROM_REFERENCE);
+  config.addColorSpace(display);
+  add_view(config, "ACES SDR", "ACES-OUTPUT - ACES2065-1_to_CIE-XYZ-D65 - SDR-VIDEO_1.0");
+  add_view(config, "sRGB", "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD");
+  config.addDisplayView(display_name, "Raw", "Raw", "");
+}
+
+ocio::ConstConfigRcPtr built_in_config() {
+  ocio::ConfigRcPtr config = ocio::Config::Create();
+  config->setVersion(2, 0);
+  add_scene_spaces(*config);
+  add_display(*config);
+  config->validate();
+  return config;
+}
+
+bool environment_has_config() {
+  const char* path = std::getenv("OCIO");
+  return path && *path;
+}
+
+ocio::ConstConfigRcPtr current_config() {
+  return environment_has_config() ? ocio::Config::CreateFromEnv() : built_in_config();
+}
+
+std::vector<std::string> views_of(const ocio::Config& config) {
+  const char* display = config.getDefaultDisplay();
+  std::vector<std::string> names{config.getDefaultView(display)};
+  for (int i = 0; i < config.getNumViews(display); ++i)
+    if (const std::string name = config.getView(display, i); name != names[0]) names.push_back(name);
+  return names;
+}
+
+std::string chosen_view(const ocio::Config& config, const std::string& wanted) {
+  const std::vector<std::string> names = views_of(config);
+  if (wanted.empty()) return names[0];
+  for (const std::string& name : names)
+    if (strcasecmp(name.c_str(), wanted.c_str()) == 0) return name;
+  throw ColorError(fmt::format("no view named \"{}\"; known: {}", wanted, fmt::join(names, ", ")));
+}
+
+// Our working space to the space `config` calls scene_linear. Null: they are the same space.
+ocio::ConstCPUProcessorRcPtr to_scene_linear(const ocio::ConstConfigRcPtr& config) {
+  if (!environment_has_config() || config->getColorSpace(working_space)) return nullptr;
+  return ocio::Config::GetProcessorFromConfigs(built_in_config(), working_space, config, ocio::ROLE_SCENE_LINEAR)
+      ->getDefaultCPUProcessor();
+}
+
+ocio::ConstCPUProcessorRcPtr to_display(const ocio::ConstConfigRcPtr& config, const std::string& view, float exposure) {
+  ocio::MatrixTransformRcPtr gain = ocio::MatrixTransform::Create();
+  const double factor = std::exp2(double(exposure));
+  const double matrix[16] = {factor, 0, 0, 0, 0, factor, 0, 0, 0, 0, factor, 0, 0, 0, 0, 1};
+  gain->setMatrix(matrix);
+  ocio::DisplayViewTransformRcPtr show = ocio::DisplayViewTransform::Create();
+  show->setSrc(config->getColorSpace(working_space) ? working_space : ocio::ROLE_SCENE_LINEAR);
+  show->setDisplay(config->getDefaultDisplay());
+  show->setView(view.c_str());
+  ocio::GroupTransformRcPtr both = ocio::GroupTransform::Create();
+  both->appendTransform(gain);
+  both->appendTransform(show);
+  // Without loss: the default optimisation may replace power functions by fast approximations.
+  return config->getProcessor(both)->getOptimizedCPUProcessor(ocio::OPTIMIZATION_LOSSLESS);
+}
+
+template <class Work>
+auto with_color_errors(const Work& work) {
+  try {
+    return work();
+  } catch (const ocio::Exception& error) {
+    throw ColorError(fmt::format("OpenColorIO: {}", error.what()));
+  }
+}
+
+}  // namespace
+
+struct DisplayTransform::Processors {
+  ocio::ConstCPUProcessorRcPtr scene_linear, display;
+};
+
+DisplayTransform::DisplayTransform(const std::string& view, float exposure) {
+  processors_ = with_color_errors([&] {
+    const ocio::ConstConfigRcPtr config = current_config();
+    const std::string name = chosen_view(*config, view);
+    return std::make_unique<Processors>(Processors{to_scene_linear(config), to_display(config, name, exposure)});
+  });
+}
+
+DisplayTransform::~DisplayTransform() = default;
+DisplayTransform::DisplayTransform(DisplayTransform&&) noexcept = default;
+
+void DisplayTransform::apply(float* pixels, int width, int height, int channels) const {
+  CHECK(channels == 3 || channels == 4, "{} channels", channels);
+  ocio::PackedImageDesc image(pixels, width, height, channels);
+  if (processors_->scene_linear) processors_->scene_linear->apply(image);
+  processors_->display->apply(image);
+}
+
+std::vector<std::string> DisplayTransform::views() {
+  return with_color_errors([] { return views_of(*current_config()); });
+}
+
+}  // namespace meristem

@@ -1,0 +1,48 @@
+// Images in memory, and the one place that includes OpenImageIO: reading and writing files.
+//
+// Reading: EXR, PNG, JPEG, Radiance HDR and TIFF, told apart by their first bytes, never by their names. Only regular
+// files, at most 65536 pixels a side, 64 channels and 2 GiB decoded, all checked before a pixel is read. Values are
+// those of the file: integers scaled to [0, 1], no colour conversion, alpha not multiplied in. Of a multi-part file
+// the first part is read; of a cropped EXR the data window.
+// Writing: EXR, PNG, JPEG and TIFF by extension; the file appears whole or not at all (atomic_file.h).
+// Any thread; every error is a FileError that names the file.
+#pragma once
+
+#include "renderer/image/atomic_file.h"
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace meristem {
+
+// Rows from the top, pixels from the left, channels interleaved: RGB, RGBA, or whatever the file has.
+struct Image {
+  int width = 0, height = 0, channels = 0;
+  std::vector<float> pixels;
+};
+
+Image read_image(const std::string& path);
+
+using Metadata = std::vector<std::pair<std::string, std::string>>;  // name, value
+
+enum class ImageFormat { Exr, Png, Jpeg, Tiff };
+
+// The format that the extension names, in either case; throws a FileError that lists the known ones.
+ImageFormat image_format(const std::string& path);
+
+struct WriteOptions {
+  bool half = true;                     // EXR: 16-bit halves; else 32-bit floats
+  int bits = 8;                         // PNG and TIFF: 8 or 16 a channel; JPEG always has 8
+  int x = 0, y = 0;                     // EXR: where the image lies in the full frame, for a crop
+  int full_width = 0, full_height = 0;  // EXR: size of the full frame; 0: the image is the frame
+};
+
+// Writes 1 (grey), 3 (RGB) or 4 (RGBA) channels. EXR takes scene-linear Rec.709 with alpha multiplied in; the others
+// take display values, which are clamped to [0, 1], and leave alpha away. Returns how many values lay outside the range
+// of a half and were clamped to it (0 for all other formats).
+std::size_t write_image(const std::string& path, const Image& image, const Metadata& metadata = {},
+                        const WriteOptions& options = {});
+
+}  // namespace meristem

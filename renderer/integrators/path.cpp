@@ -1,0 +1,180 @@
+// path: light as it is: unidirectional path tracing with light sampling at every bounce.
+//
+// At each surface one light is asked (chosen by power) and one direction of the material followed; the two are combined
+// by multiple importance sampling with the power heuristic (Veach 1997, section 9.2). The scene's `max_depth` is the
+// number of bounces: 0 shows only what glows, 1 direct light, 2 one indirect bounce. After `roulette_depth` bounces
+// weak paths end by Russian roulette, which changes noise, not brightness.
+//
+// Opacity below 1 lets camera and bounce rays pass by chance and dims shadow rays; neither counts as a bounce. Lights
+// with shapes add their light to a ray that crosses them and do not stop it, as they stop no shadow ray either.
+#include "renderer/integrators/light_choice.h"
+#include "renderer/materials/bsdf.h"
+#include "renderer/scene/ray_origin.h"
+
+namespace meristem {
+namespace {
+
+// A ray passes so many transparent surfaces, then it ends: a bound, so that no scene can hang a render.
+constexpr int max_passes = 256;
+
+class Path : public Integrator {
+ public:
+  explicit Path(Params& params) {
+    roulette_depth_ = params.integer("roulette_depth", 4, {0, 1e6, ""}, "bounces before weak paths may end early");
+  }
+
+  Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts) const override;
+
+ private:
+  int roulette_depth_;
+};
+
+// One camera path while it is followed.
+class Walk {
+ public:
+  Walk(const Scene& scene, Sampler& sampler, RayCounts& counts, const Ray& ray, int roulette_depth)
+      : scene_(scene), sampler_(sampler), counts_(counts), choice_(scene), ray_(ray), last_vertex_(ray.origin),
+        roulette_depth_(roulette_depth) {
+    for (const auto& material : scene.materials) transparency_ = transparency_ || material->may_be_transparent();
+  }
+
+  Spectrum follow() {
+    ++counts_.camera;
+    while (step()) {
+    }
+    return sum_;
+  }
+
+ private:
+  // Follows the ray to the next surface and makes the next ray there; false when the path has ended.
+  bool step() {
+    SurfaceHit hit;
+    const bool met = scene_.intersector->intersect(ray_, hit);
+    add_crossed_lights(met ? hit.t : std::numeric_limits<float>::infinity());
+    if (!met) {
+      add_environments();
+      return false;
+    }
+    ShadingPoint point{hit, -ray_.direction};
+    Bsdf bsdf;
+    scene_.material_of(hit).evaluate(point, bsdf);
+    if (bsdf.opacity < 1 && sampler_.next_1d() >= bsdf.opacity) return pass_through(hit);
+    sum_ += throughput_ * bsdf.emission;
+    if (depth_ >= scene_.settings.max_depth) return false;
+    add_direct_light(point, bsdf);
+    return scatter(point, bsdf);
+  }
+
+  bool pass_through(const SurfaceHit& hit) {
+    if (++passes_ > max_passes) return false;
+    travelled_ += hit.t;
+    ray_ = ray_from(hit, ray_.direction, ray_.time);
+    return true;
+  }
+
+  // The weight of light that a ray met by chance and that add_direct_light() might have found as well.
+  float weight_met(std::size_t light, float light_pdf) const {
+    if (last_pdf_ == 0) return 1;  // a camera ray
+    return power_heuristic(last_pdf_, choice_.probability(light) * light_pdf);
+  }
+
+  void add_environments() {
+    for (std::size_t i = 0; i < scene_.lights.size(); ++i) {
+      const Spectrum radiance = scene_.lights[i]->escaped(ray_.direction);
+      if (radiance == Spectrum{}) continue;
+      sum_ += throughput_ * radiance * weight_met(i, scene_.lights[i]->pdf_escaped(ray_.direction));
+    }
+  }
+
+  void add_crossed_lights(float end) {
+    for (std::size_t i = 0; i < scene_.lights.size(); ++i) {
+      const float t = scene_.lights[i]->intersect(ray_);
+      if (!(t < end)) continue;
+      Ray whole = ray_;  // from the last vertex: surfaces passed in between do not matter to the pdf
+      whole.origin = last_vertex_;
+      sum_ += throughput_ * scene_.lights[i]->emitted(ray_, t) *
+              weight_met(i, scene_.lights[i]->pdf_hit(whole, travelled_ + t));
+    }
+  }
+
+  void add_direct_light(const ShadingPoint& point, const Bsdf& bsdf) {
+    if (scene_.lights.empty()) return;
+    const float pick = sampler_.next_1d();
+    const Vec2f random = sampler_.next_2d();
+    const std::size_t i = choice_.pick(pick);
+    const LightSample light = scene_.lights[i]->sample(point.hit.position, random);
+    const float pdf = light.pdf * choice_.probability(i);
+    if (!(pdf > 0)) return;
+    const Spectrum f = bsdf.evaluate(point.wo, light.direction);
+    if (f == Spectrum{} || light.radiance == Spectrum{}) return;
+    const float weight = light.is_delta ? 1 : power_heuristic(pdf, bsdf.pdf(point.wo, light.direction));
+    sum_ += throughput_ * f * light.radiance * (weight / pdf * visibility(point.hit, light));
+  }
+
+  // The part of the light that arrives at a surface.
+  float visibility(const SurfaceHit& hit, const LightSample& light) {
+    ++counts_.shadow;
+    Ray ray = ray_from(hit, light.direction, ray_.time);
+    ray.t_max = light.distance;
+    if (!transparency_) return scene_.intersector->occluded(ray) ? 0 : 1;
+    float visible = 1;
+    for (int i = 0; i < max_passes; ++i) {
+      SurfaceHit veil;
+      if (!scene_.intersector->intersect(ray, veil)) return visible;
+      Bsdf bsdf;
+      scene_.material_of(veil).evaluate({veil, -ray.direction}, bsdf);
+      visible *= 1 - bsdf.opacity;
+      if (!(visible > 0)) return 0;
+      const float rest = ray.t_max - veil.t;
+      ray = ray_from(veil, ray.direction, ray.time);
+      ray.t_max = rest;
+    }
+    return 0;
+  }
+
+  bool scatter(const ShadingPoint& point, const Bsdf& bsdf) {
+    const float choice = sampler_.next_1d();
+    const Vec2f random = sampler_.next_2d();
+    const BsdfSample s = bsdf.sample(point.wo, random, choice);
+    if (!(s.pdf > 0) || s.weight == Spectrum{}) return false;
+    throughput_ *= s.weight;
+    if (++depth_ >= roulette_depth_) {
+      const float survival = std::min(0.95f, max_component(throughput_));
+      if (sampler_.next_1d() >= survival) return false;
+      throughput_ /= survival;
+    }
+    ++counts_.bounce;
+    last_pdf_ = s.pdf;
+    last_vertex_ = point.hit.position;
+    travelled_ = 0;
+    ray_ = ray_from(point.hit, s.wi, ray_.time);
+    return true;
+  }
+
+  const Scene& scene_;
+  Sampler& sampler_;
+  RayCounts& counts_;
+  const LightChoice choice_;
+  bool transparency_ = false;    // some material may be
+  Ray ray_;
+  Vec3f last_vertex_;            // where the ray was scattered, and how:
+  float last_pdf_ = 0;           // 0: it comes from the camera
+  float travelled_ = 0;          // from there to the ray's origin, through transparent surfaces
+  Spectrum throughput_{1, 1, 1};
+  Spectrum sum_;
+  int depth_ = 0;
+  int passes_ = 0;
+  const int roulette_depth_;
+};
+
+Spectrum Path::radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts) const {
+  const Spectrum result = Walk(scene, sampler, counts, ray, roulette_depth_).follow();
+  scene.intersector->quiescent();
+  return result;
+}
+
+}  // namespace
+
+void register_path(IntegratorRegistry& r) { r.add<Path>("path", "Unidirectional path tracing: the default"); }
+
+}  // namespace meristem

@@ -1,0 +1,181 @@
+#include "renderer/lights/atmosphere.h"
+
+namespace meristem {
+namespace {
+
+// Kilometres, and per kilometre.
+constexpr double ground = 6360, top = 6460;
+constexpr double rayleigh_height = 8, mie_height = 1.2;
+constexpr double ozone_center = 25, ozone_half_width = 15;
+const Vec3d rayleigh_scattering{5.802e-3, 13.558e-3, 33.1e-3};
+const Vec3d ozone_absorption{0.650e-3, 1.881e-3, 0.085e-3};
+const Vec3d wavelengths{0.680, 0.550, 0.440};  // micrometres
+constexpr double mie_albedo = 0.9;             // scattering / extinction of aerosols
+constexpr double mie_asymmetry = 0.8;
+constexpr double sun_radius = 0.004675;        // radians
+
+// Where a ray from `radius` at the cosine `c` against the vertical leaves the sphere `outer` around it.
+double distance_to_outer(double radius, double c, double outer) {
+  return -radius * c + std::sqrt(std::max(0.0, radius * radius * (c * c - 1) + outer * outer));
+}
+bool meets_ground(double radius, double c) {
+  return c < 0 && radius * radius * (c * c - 1) + ground * ground > 0 && radius > ground;
+}
+double distance_to_ground(double radius, double c) {
+  return -radius * c - std::sqrt(std::max(0.0, radius * radius * (c * c - 1) + ground * ground));
+}
+double radius_along(double radius, double c, double t) {
+  return std::clamp(std::sqrt(radius * radius + t * t + 2 * radius * c * t), ground, top);
+}
+Vec3d exp_of(Vec3d v) { return {std::exp(v.x), std::exp(v.y), std::exp(v.z)}; }
+
+double rayleigh_phase(double c) { return 3 / (16 * pi) * (1 + c * c); }
+// Cornette and Shanks 1992.
+double mie_phase(double c) {
+  const double g = mie_asymmetry, base = 1 + g * g - 2 * g * c;
+  return 3 / (8 * pi) * (1 - g * g) * (1 + c * c) / ((2 + g * g) * base * std::sqrt(base));
+}
+
+// A piece of a ray, so short that the medium is the same all along it.
+struct Piece {
+  Vec3d transmitted;  // what passes through it
+  Vec3d seen_length;  // the integral of what passes from its points to its near end
+  Piece(Vec3d extinction, double length)
+      : transmitted(exp_of(-extinction * length)), seen_length((Vec3d(1.0) - transmitted) / extinction) {}
+};
+
+}  // namespace
+
+Atmosphere::Atmosphere(double turbidity, Vec3d ground_albedo) : ground_albedo_(ground_albedo) {
+  const double beta = 0.04608 * turbidity - 0.04586;
+  for (int i = 0; i < 3; ++i) mie_scattering_[i] = mie_albedo * beta * std::pow(wavelengths[i], -1.3) / mie_height;
+  fill_transmittance();
+  fill_multiple_scattering();
+}
+
+Atmosphere::Medium Atmosphere::medium(double radius) const {
+  const double height = radius - ground;
+  const double ozone = std::max(0.0, 1 - std::abs(height - ozone_center) / ozone_half_width);
+  Medium m;
+  m.rayleigh = rayleigh_scattering * std::exp(-height / rayleigh_height);
+  m.mie = mie_scattering_ * std::exp(-height / mie_height);
+  m.extinction = m.rayleigh + m.mie / mie_albedo + ozone_absorption * ozone;
+  return m;
+}
+
+Vec3d Atmosphere::Table::at(double x, double y) const {
+  const double fx = std::clamp(x, 0.0, 1.0) * (width - 1), fy = std::clamp(y, 0.0, 1.0) * (height - 1);
+  const int ix = std::min(int(fx), width - 2), iy = std::min(int(fy), height - 2);
+  const Vec3d* row = values.data() + std::ptrdiff_t(iy) * width + ix;
+  const double tx = fx - ix;
+  return lerp(lerp(row[0], row[1], tx), lerp(row[width], row[width + 1], tx), fy - iy);
+}
+
+// Parametrised as in Bruneton 2017: by the height's distance to its horizon, and the distance to the top between its
+// extremes.
+void Atmosphere::fill_transmittance() {
+  constexpr int steps = 48;
+  transmittance_ = {96, 24, {}};
+  const double horizon_of_top = std::sqrt(top * top - ground * ground);
+  for (int y = 0; y < transmittance_.height; ++y) {
+    const double horizon = horizon_of_top * y / (transmittance_.height - 1);
+    const double radius = std::sqrt(horizon * horizon + ground * ground);
+    for (int x = 0; x < transmittance_.width; ++x) {
+      const double nearest = top - radius, farthest = horizon + horizon_of_top;
+      const double d = nearest + (farthest - nearest) * x / (transmittance_.width - 1);
+      const double c = d > 0 ? std::clamp((top * top - radius * radius - d * d) / (2 * radius * d), -1.0, 1.0) : 1;
+      Vec3d sum;
+      for (int i = 0; i < steps; ++i) sum += medium(radius_along(radius, c, (i + 0.5) / steps * d)).extinction;
+      transmittance_.values.push_back(sum * (d / steps));
+    }
+  }
+}
+
+Vec3d Atmosphere::optical_depth(double radius, double cosine) const {
+  const double horizon_of_top = std::sqrt(top * top - ground * ground);
+  const double horizon = std::sqrt(std::max(0.0, radius * radius - ground * ground));
+  const double nearest = top - radius, farthest = horizon + horizon_of_top;
+  const double d = distance_to_outer(radius, cosine, top);
+  return transmittance_.at((d - nearest) / (farthest - nearest), horizon / horizon_of_top);
+}
+
+Vec3d Atmosphere::transmittance(Vec3d direction) const {
+  return direction.y < 0 ? Vec3d{} : exp_of(-optical_depth(ground, direction.y));
+}
+
+Vec3d Atmosphere::sunlight(double radius, double cosine) const {
+  const double s = ground / radius, horizon = -std::sqrt(std::max(0.0, 1 - s * s));
+  const double seen = std::clamp((cosine - horizon) / (2 * sun_radius * s) + 0.5, 0.0, 1.0);
+  if (seen == 0) return {};
+  return exp_of(-optical_depth(radius, std::max(cosine, horizon))) * (seen * seen * (3 - 2 * seen));
+}
+
+void Atmosphere::fill_multiple_scattering() {
+  multiple_scattering_ = {24, 12, {}};
+  for (int y = 0; y < multiple_scattering_.height; ++y)
+    for (int x = 0; x < multiple_scattering_.width; ++x) {
+      const double height = (top - ground) * std::pow(double(y) / (multiple_scattering_.height - 1), 2.0);
+      const double sun_cosine = -1 + 2.0 * x / (multiple_scattering_.width - 1);
+      const double radius = ground + std::clamp(height, 1e-3, top - ground - 1e-3);
+      multiple_scattering_.values.push_back(gathered(radius, sun_cosine));
+    }
+}
+
+Vec3d Atmosphere::multiple_scattering(double radius, double sun_cosine) const {
+  return multiple_scattering_.at((sun_cosine + 1) / 2, std::sqrt(std::max(0.0, (radius - ground) / (top - ground))));
+}
+
+// What a point gathers from all sides that was scattered twice or more, as if phases were isotropic (Hillaire's
+// equations 5 to 10): second-order light, and the part f of unit light around the point that comes back, summed as
+// the geometric series 1 / (1 - f).
+Vec3d Atmosphere::gathered(double radius, double sun_cosine) const {
+  constexpr int rings = 8, turns = 6, steps = 16;
+  const double sun_sine = std::sqrt(std::max(0.0, 1 - sun_cosine * sun_cosine));
+  Vec3d second, returned;
+  for (int i = 0; i < rings * turns; ++i) {
+    const double c = 1 - 2 * (i / turns + 0.5) / rings, angle = pi * (i % turns + 0.5) / turns;
+    const double s = std::sqrt(1 - c * c);
+    const bool down = meets_ground(radius, c);
+    const double end = down ? distance_to_ground(radius, c) : distance_to_outer(radius, c, top);
+    const double cos_between = c * sun_cosine + s * sun_sine * std::cos(angle);  // the ray and the sun
+    Vec3d through(1.0);
+    for (int k = 0; k < steps; ++k) {
+      const double t0 = end * k * k / (steps * steps), t1 = end * (k + 1) * (k + 1) / (steps * steps);
+      const double t = (t0 + t1) / 2, r = radius_along(radius, c, t);
+      const Medium m = medium(r);
+      const Piece piece(m.extinction, t1 - t0);
+      const Vec3d scattered = through * (m.rayleigh + m.mie) * piece.seen_length;
+      second += scattered * sunlight(r, (radius * sun_cosine + t * cos_between) / r) / (4 * pi);
+      returned += scattered;
+      through *= piece.transmitted;
+    }
+    if (down) {
+      const double cos_at_ground = (radius * sun_cosine + end * cos_between) / ground;
+      second += through * ground_albedo_ * sunlight(ground, cos_at_ground) * (std::max(0.0, cos_at_ground) / pi);
+    }
+  }
+  const double count = rings * turns;
+  return second / count / (Vec3d(1.0) - returned / count);
+}
+
+Vec3d Atmosphere::sky_radiance(Vec3d direction, Vec3d to_sun) const {
+  constexpr int steps = 32;
+  const double c = std::max(direction.y, 0.0), between = dot(direction, to_sun);
+  const double end = distance_to_outer(ground, c, top);
+  const double p_rayleigh = rayleigh_phase(between), p_mie = mie_phase(between);
+  Vec3d sum, through(1.0);
+  for (int k = 0; k < steps; ++k) {
+    const double t0 = end * k * k / (steps * steps), t1 = end * (k + 1) * (k + 1) / (steps * steps);
+    const double t = (t0 + t1) / 2, r = radius_along(ground, c, t);
+    const double sun_cosine = (ground * to_sun.y + t * between) / r;
+    const Medium m = medium(r);
+    const Vec3d source = sunlight(r, sun_cosine) * (m.rayleigh * p_rayleigh + m.mie * p_mie) +
+                         multiple_scattering(r, sun_cosine) * (m.rayleigh + m.mie);
+    const Piece piece(m.extinction, t1 - t0);
+    sum += through * source * piece.seen_length;
+    through *= piece.transmitted;
+  }
+  return sum;
+}
+
+}  // namespace meristem

@@ -1,0 +1,55 @@
+// Atmosphere: the light of a clear sky, by integrating scattering in a spherical atmosphere.
+//
+// Rayleigh and aerosol (Mie) scattering and ozone absorption at three wavelengths (680, 550, 440 nm) that stand for
+// Rec.709 red, green and blue, with the densities and coefficients of Bruneton and Neyret 2008, "Precomputed
+// Atmospheric Scattering", and Bruneton 2017. First-order scattering is integrated along the view ray; all higher
+// orders together by the isotropic approximation of Hillaire 2020, "A Scalable and Production Ready Sky and Atmosphere
+// Rendering Technique", section 5.5. Aerosols follow turbidity after Preetham, Shirley, Smits 1999, appendix A.1
+// (Angstrom's law).
+//
+// The observer stands on the ground; directions have y up; lengths inside are kilometres. The sun's irradiance above
+// the atmosphere is 1 in each channel. The constructor takes some 40 ms for its tables; then immutable: any thread.
+#pragma once
+
+#include "geometry/base/vec.h"
+
+#include <vector>
+
+namespace meristem {
+
+class Atmosphere {
+ public:
+  // turbidity from 1 (pure air) to 10 (thick haze); ground_albedo lights the air from below.
+  Atmosphere(double turbidity, Vec3d ground_albedo);
+
+  // The part of a ray's light from beyond the atmosphere that reaches the ground; zero from below the horizon.
+  Vec3d transmittance(Vec3d direction) const;
+  // Radiance of the air in a direction above the horizon, the sun itself left out.
+  Vec3d sky_radiance(Vec3d direction, Vec3d to_sun) const;
+
+ private:
+  struct Medium {  // at one height, per kilometre
+    Vec3d rayleigh, mie, extinction;
+  };
+  struct Table {
+    int width = 0, height = 0;
+    std::vector<Vec3d> values;
+    Vec3d at(double x, double y) const;  // bilinear; x, y in [0, 1]
+  };
+
+  Medium medium(double radius) const;
+  Vec3d optical_depth(double radius, double cosine) const;
+  // The part of the sun's light that reaches a point; its disk sets over its own width.
+  Vec3d sunlight(double radius, double cosine) const;
+  Vec3d multiple_scattering(double radius, double sun_cosine) const;
+  void fill_transmittance();
+  void fill_multiple_scattering();
+  Vec3d gathered(double radius, double sun_cosine) const;
+
+  Vec3d mie_scattering_;
+  Vec3d ground_albedo_;
+  Table transmittance_;          // optical depth to the top, by distance to the top and height
+  Table multiple_scattering_;    // by sun cosine and height
+};
+
+}  // namespace meristem

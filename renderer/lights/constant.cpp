@@ -1,0 +1,39 @@
+// constant: the same light from all sides. For tests, for ambient fill, and for looking at shapes.
+#include "renderer/scene/interfaces.h"
+#include "renderer/scene/warps.h"
+
+namespace meristem {
+namespace {
+
+class Constant : public Light {
+ public:
+  explicit Constant(Params& params) {
+    const Vec3d color = params.color("color", {1, 1, 1}, "radiance");
+    const double intensity = params.real("intensity", 1, not_negative, "scales the colour");
+    radiance_ = Spectrum(color * intensity);
+  }
+
+  LightSample sample(Vec3f, Vec2f random) const override {
+    LightSample s;
+    s.direction = uniform_cone(2, random);
+    s.distance = std::numeric_limits<float>::infinity();
+    s.radiance = radiance_;
+    s.pdf = uniform_cone_pdf(2);
+    return s;
+  }
+  Spectrum escaped(Vec3f) const override { return radiance_; }
+  float pdf_escaped(Vec3f) const override { return uniform_cone_pdf(2); }
+  float power(const Bounds3f& b) const override {
+    const float radius = b.diagonal() / 2;
+    return luminance(radiance_) * 4 * pi_f * pi_f * radius * radius;
+  }
+
+ private:
+  Spectrum radiance_;
+};
+
+}  // namespace
+
+void register_constant(LightRegistry& r) { r.add<Constant>("constant", "The same light from all sides"); }
+
+}  // namespace meristem

@@ -1,0 +1,133 @@
+// image: light from all sides as in a panoramic photograph (a lat-long EXR or HDR file), sampled by its brightness.
+//
+// The image's middle looks towards -z, its right quarter towards +x, its top row is up; `rotation` turns it around the
+// vertical, counter-clockwise seen from above. A relative `file` is looked for beside the scene file.
+#include "renderer/image/image.h"
+#include "renderer/lights/distribution_2d.h"
+#include "renderer/scene/interfaces.h"
+#include "renderer/scene/warps.h"
+
+#include <filesystem>
+
+namespace meristem {
+namespace {
+
+// The file as seen from the folder of the scene file.
+std::string beside_scene(const Location& scene, const std::string& file) {
+  const std::filesystem::path path(file);
+  if (path.is_absolute() || !scene.source) return file;
+  return (std::filesystem::path(scene.source->name).parent_path() / path).string();
+}
+
+class ImageEnvironment : public Light {
+ public:
+  explicit ImageEnvironment(Params& params) {
+    const std::string file = params.required_text("file", "lat-long image, EXR or HDR, scene-linear Rec.709");
+    const Vec3d color = params.color("color", {1, 1, 1}, "multiplies the image");
+    const double intensity = params.real("intensity", 1, not_negative, "scales the image");
+    const double rotation = params.real("rotation", 0, {-360, 360, "deg"}, "turn around the vertical");
+    turn_ = float(rotation / 360);
+    if (params.describing()) return;
+    load(params, file, Spectrum(color * intensity));
+    prepare_sampling();
+  }
+
+  LightSample sample(Vec3f, Vec2f random) const override {
+    LightSample s;
+    s.direction = to_direction(distribution_.sample(random));
+    s.distance = std::numeric_limits<float>::infinity();
+    s.radiance = escaped(s.direction);
+    s.pdf = pdf_escaped(s.direction);
+    return s;
+  }
+
+  Spectrum escaped(Vec3f d) const override {
+    const Vec2f p = to_image(d);
+    const float fx = p.x * float(width_) - 0.5f, fy = p.y * float(height_) - 0.5f;
+    const int x = int(std::floor(fx)), y = int(std::floor(fy));
+    const float tx = fx - float(x), ty = fy - float(y);
+    return lerp(lerp(texel(x, y), texel(x + 1, y), tx), lerp(texel(x, y + 1), texel(x + 1, y + 1), tx), ty);
+  }
+
+  float pdf_escaped(Vec3f d) const override {
+    const float sine = std::sqrt(std::max(0.f, 1 - d.y * d.y));
+    return sine > 0 ? distribution_.pdf(to_image(d)) / (2 * pi_f * pi_f * sine) : 0;
+  }
+
+  float power(const Bounds3f& b) const override {
+    const float radius = b.diagonal() / 2;
+    return flux_ * pi_f * radius * radius;
+  }
+
+ private:
+  void load(Params& params, const std::string& file, Spectrum scale) {
+    width_ = height_ = 1;
+    texels_ = {Spectrum{}};
+    try {
+      const Image image = read_image(beside_scene(params.location(), file));
+      if (image.width < 1 || image.height < 1 || image.channels < 1) {
+        params.error("file", "the image has no pixels");
+        return;
+      }
+      width_ = image.width;
+      height_ = image.height;
+      texels_.clear();
+      for (std::size_t i = 0; i < std::size_t(width_) * std::size_t(height_); ++i)
+        texels_.push_back(color_of(image, i) * scale);
+    } catch (const std::runtime_error& error) {
+      params.error("file", error.what());
+    }
+  }
+
+  // Negative and non-finite channels count as black.
+  static Spectrum color_of(const Image& image, std::size_t pixel) {
+    const float* p = image.pixels.data() + pixel * std::size_t(image.channels);
+    const Spectrum c = image.channels >= 3 ? Spectrum{p[0], p[1], p[2]} : Spectrum(p[0]);
+    auto clean = [](float x) { return std::isfinite(x) && x > 0 ? x : 0.f; };
+    return {clean(c.x), clean(c.y), clean(c.z)};
+  }
+
+  // Each cell weighs as much as the brightest texel that its interpolation reads, so that no light is missed.
+  void prepare_sampling() {
+    std::vector<float> weights;
+    double flux = 0;
+    for (int y = 0; y < height_; ++y) {
+      const float sine = std::sin(pi_f * (float(y) + 0.5f) / float(height_));
+      for (int x = 0; x < width_; ++x) {
+        float brightest = 0;
+        for (int k = 0; k < 9; ++k) brightest = std::max(brightest, luminance(texel(x + k % 3 - 1, y + k / 3 - 1)));
+        weights.push_back(brightest * sine);
+        flux += double(luminance(texel(x, y)) * sine);
+      }
+    }
+    flux_ = float(flux * 2 * pi * pi / (double(width_) * height_));
+    distribution_ = Distribution2D(std::move(weights), width_, height_);
+  }
+
+  Spectrum texel(int x, int y) const {
+    x = (x % width_ + width_) % width_;
+    y = std::clamp(y, 0, height_ - 1);
+    return texels_[std::size_t(y) * std::size_t(width_) + std::size_t(x)];
+  }
+
+  Vec2f to_image(Vec3f d) const {
+    const float x = std::atan2(d.x, -d.z) / (2 * pi_f) + 0.5f + turn_;
+    return {x - std::floor(x), std::acos(std::clamp(d.y, -1.f, 1.f)) / pi_f};
+  }
+  Vec3f to_direction(Vec2f p) const {
+    const float angle = 2 * pi_f * (p.x - 0.5f - turn_), polar = pi_f * p.y;
+    return {std::sin(polar) * std::sin(angle), std::cos(polar), -std::sin(polar) * std::cos(angle)};
+  }
+
+  int width_ = 1, height_ = 1;
+  std::vector<Spectrum> texels_{Spectrum{}};
+  Distribution2D distribution_;
+  float turn_ = 0;  // rotation / 360 degrees
+  float flux_ = 0;  // luminance integrated over all directions
+};
+
+}  // namespace
+
+void register_image_environment(LightRegistry& r) { r.add<ImageEnvironment>("image", "Light from a panoramic image"); }
+
+}  // namespace meristem

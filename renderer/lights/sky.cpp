@@ -1,0 +1,213 @@
+// sky: the sun and a clear sky over flat ground, from a physical model of the atmosphere (atmosphere.h).
+//
+// `elevation` is the sun's height above the horizon, down to -12 degrees for twilight; `azimuth` turns it around the
+// vertical, 0 towards +z and 90 towards +x. `turbidity` is the haze: 1 pure air, 2 to 3 a clear day, 6 and more milky.
+// `sun_size` is the sun's angular diameter; a larger sun gives softer shadows and stays as strong as a whole.
+// Below the horizon lies ground of colour `ground_albedo`, lit by sun and sky.
+//
+// Scaled so that exposure 0 suits a sunny scene: the sun above the atmosphere has irradiance 4, so white paper that
+// faces a high sun has radiance about 1, and blue sky about 0.2.
+//
+// The air is integrated at load into a table over half the upper hemisphere, the other half being its mirror image.
+// Its rows stand at the squares of even steps in elevation, to keep the bright band at the horizon fine. sample() picks
+// sun, sky or ground by the light they give, and inside: the sun's cone uniformly, the sky by the table, the ground
+// uniformly.
+#include "renderer/lights/atmosphere.h"
+#include "renderer/lights/distribution_2d.h"
+#include "renderer/scene/interfaces.h"
+#include "renderer/scene/warps.h"
+
+namespace meristem {
+namespace {
+
+constexpr double solar_irradiance = 4;
+// The darkening of the sun's limb: radiance falls as cos^alpha. Hestroffer and Magnan 1998, at 680, 550 and 440 nm.
+const Vec3f limb_exponent{0.397f, 0.503f, 0.652f};
+
+class Sky : public Light {
+ public:
+  explicit Sky(Params& params) {
+    const double elevation = params.real("elevation", 40, {-12, 90, "deg"}, "height of the sun above the horizon");
+    const double azimuth = params.real("azimuth", 60, {-360, 360, "deg"}, "direction of the sun: 0 is +z, 90 is +x");
+    const double turbidity = params.real("turbidity", 2, {1, 10, ""}, "haze: 1 is pure air");
+    intensity_ = params.real("intensity", 1, not_negative, "scales sun, sky and ground");
+    const double sun_intensity = params.real("sun_intensity", 1, not_negative, "scales the sun alone");
+    const double sun_size = params.real("sun_size", 0.533, {0.01, 60, "deg"}, "angular diameter of the sun");
+    const Vec3d albedo = params.color("ground_albedo", {0.25, 0.24, 0.22}, "colour of the ground below the horizon");
+    if (params.describing()) return;  // the tables are of no use there
+
+    const double e = elevation * pi / 180, a = azimuth * pi / 180, radius = sun_size * pi / 360;
+    to_sun_ = Vec3d{std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)};
+    sun_azimuth_ = float(std::atan2(to_sun_.x, to_sun_.z));
+    sun_frame_ = Frame(Vec3f(to_sun_));
+    sun_width_ = float(2 * std::pow(std::sin(radius / 2), 2.0));
+    const Vec3d ground_albedo = min(albedo, Vec3d(1.0));
+    const Atmosphere atmosphere(turbidity, ground_albedo);
+    tabulate_sky(atmosphere);
+    tabulate_sun(atmosphere, sun_intensity);
+    finish(ground_albedo);
+  }
+
+  LightSample sample(Vec3f, Vec2f random) const override {
+    LightSample s;
+    s.distance = std::numeric_limits<float>::infinity();
+    s.direction = pick_direction(random);
+    s.radiance = escaped(s.direction);
+    s.pdf = pdf_escaped(s.direction);
+    return s;
+  }
+
+  Spectrum escaped(Vec3f d) const override {
+    if (d.y < 0) return ground_;
+    const Spectrum sky = sky_at(d);
+    return in_sun(d) ? sky + sun_at(d) : sky;
+  }
+
+  float pdf_escaped(Vec3f d) const override {
+    float pdf = in_sun(d) ? sun_share_ * uniform_cone_pdf(sun_width_) : 0;
+    if (d.y < 0) return pdf + ground_share_ / (2 * pi_f);
+    const Vec2f p = to_table(d);
+    const float stretch = solid_angle_density(p.y);
+    return stretch > 0 ? pdf + sky_share_ * distribution_.pdf(p) / stretch : pdf;
+  }
+
+  float power(const Bounds3f& b) const override {
+    const float radius = b.diagonal() / 2;
+    return flux_ * pi_f * radius * radius;
+  }
+
+ private:
+  static constexpr int columns = 256, rows = 64;  // columns around the whole horizon
+
+  // Table coordinates of a direction above the horizon: x around from the sun, y the root of the elevation.
+  Vec2f to_table(Vec3f d) const {
+    const float x = (std::atan2(d.x, d.z) - sun_azimuth_) / (2 * pi_f);
+    const float elevation = std::atan2(d.y, std::sqrt(d.x * d.x + d.z * d.z));
+    return {x - std::floor(x), std::sqrt(std::max(0.f, elevation * (2 / pi_f)))};
+  }
+  Vec3d from_table(double x, double y) const {
+    const double turn = 2 * pi * x + double(sun_azimuth_), elevation = pi / 2 * y * y;
+    const double side = std::cos(elevation);
+    return {side * std::sin(turn), std::sin(elevation), side * std::cos(turn)};
+  }
+  // Steradians in a unit of table area: cos(elevation) d(turn) d(elevation) = cos(elevation) (2 pi dx) (pi y dy).
+  static float solid_angle_density(float y) { return 2 * pi_f * pi_f * y * std::cos(pi_f / 2 * y * y); }
+
+  // Values stand at column centres and at row edges, so that the horizon and the zenith have their own.
+  void tabulate_sky(const Atmosphere& atmosphere) {
+    table_.resize(std::size_t(columns) * (rows + 1));
+    for (int y = 0; y <= rows; ++y)
+      for (int x = 0; x < columns / 2; ++x) {
+        const Vec3d d = from_table((x + 0.5) / columns, double(y) / rows);
+        const Spectrum value(atmosphere.sky_radiance(d, to_sun_) * (solar_irradiance * intensity_));
+        table_[std::size_t(y * columns + x)] = table_[std::size_t(y * columns + columns - 1 - x)] = value;
+      }
+  }
+
+  // The sun's light without limb darkening along the vertical line through its disk: air reddens its lower limb.
+  void tabulate_sun(const Atmosphere& atmosphere, double sun_intensity) {
+    const double scale = solar_irradiance * intensity_ * sun_intensity / (2 * pi * double(sun_width_));
+    const double elevation = std::asin(to_sun_.y), radius = std::acos(1 - double(sun_width_));
+    sun_bottom_ = elevation - radius;
+    sun_top_ = elevation + radius;
+    for (int i = 0; i < sun_rows; ++i) {
+      const double angle = sun_bottom_ + (sun_top_ - sun_bottom_) * i / (sun_rows - 1);
+      sun_[i] = Spectrum(atmosphere.transmittance({std::cos(angle), std::sin(angle), 0}) * scale);
+    }
+  }
+
+  // The ground's radiance and what sample() needs, from the integrals of the tables.
+  void finish(Vec3d ground_albedo) {
+    std::vector<float> weights;
+    Spectrum sky_flux, irradiance;
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < columns; ++x) {
+        const Vec3f d(from_table((x + 0.5) / columns, (y + 0.5) / rows));
+        const float solid_angle = solid_angle_density((float(y) + 0.5f) / rows) / (columns * rows);
+        const Spectrum value = sky_at(d);
+        weights.push_back(luminance(value) * solid_angle);
+        sky_flux += value * solid_angle;
+        irradiance += value * (solid_angle * d.y);
+      }
+    distribution_ = Distribution2D(std::move(weights), columns, rows);
+    const Spectrum sun_flux = sun_mean() * (2 * pi_f * sun_width_);
+    irradiance += sun_flux * std::max(0.f, float(to_sun_.y));
+    ground_ = Spectrum(ground_albedo) * irradiance / pi_f;
+
+    const float sun = luminance(sun_flux), sky = luminance(sky_flux), ground = luminance(ground_) * 2 * pi_f;
+    flux_ = sun + sky + ground;
+    sun_share_ = flux_ > 0 ? sun / flux_ : 0;
+    ground_share_ = flux_ > 0 ? ground / flux_ : 0;
+    sky_share_ = 1 - sun_share_ - ground_share_;
+  }
+
+  // The mean radiance of the disk, rows weighted by their chords; limb darkening keeps the mean.
+  Spectrum sun_mean() const {
+    Spectrum sum;
+    float total = 0;
+    for (int i = 0; i < sun_rows; ++i) {
+      const float h = 2 * float(i) / (sun_rows - 1) - 1, chord = std::sqrt(std::max(0.f, 1 - h * h));
+      sum += sun_[i] * chord;
+      total += chord;
+    }
+    return sum / total;
+  }
+
+  Spectrum sky_at(Vec3f d) const {
+    const Vec2f p = to_table(d);
+    const float fx = p.x * columns - 0.5f + columns, fy = std::min(p.y, 1.f) * rows;
+    const int ix = int(fx), iy = std::min(int(fy), rows - 1);
+    const int left = ix % columns, right = (ix + 1) % columns;
+    const Spectrum* row = table_.data() + std::ptrdiff_t(iy) * columns;
+    const float tx = fx - float(ix), ty = fy - float(iy);
+    return lerp(lerp(row[left], row[right], tx), lerp(row[columns + left], row[columns + right], tx), ty);
+  }
+
+  bool in_sun(Vec3f d) const { return one_minus_cosine(d, sun_frame_.n) <= sun_width_; }
+
+  Spectrum sun_at(Vec3f d) const {
+    const float r2 = std::min(1.f, one_minus_cosine(d, sun_frame_.n) / sun_width_);
+    const float cosine = std::sqrt(1 - r2);
+    const double along = (std::asin(std::clamp(double(d.y), -1.0, 1.0)) - sun_bottom_) / (sun_top_ - sun_bottom_);
+    const double f = std::clamp(along, 0.0, 1.0) * (sun_rows - 1);
+    const int i = std::min(int(f), sun_rows - 2);
+    Spectrum value = lerp(sun_[i], sun_[i + 1], float(f - i));
+    // The mean of cos^alpha over a disk is 2 / (2 + alpha)
+    for (int k = 0; k < 3; ++k) value[k] *= std::pow(cosine, limb_exponent[k]) * (1 + limb_exponent[k] / 2);
+    return value;
+  }
+
+  Vec3f pick_direction(Vec2f random) const {
+    if (random.x < sun_share_)
+      return normalize(sun_frame_.to_world(uniform_cone(sun_width_, {random.x / sun_share_, random.y})));
+    random.x -= sun_share_;
+    if (random.x < ground_share_) {
+      const Vec3f d = uniform_cone(1, {random.x / ground_share_, random.y});
+      return {d.x, -std::max(d.z, 1e-6f), d.y};
+    }
+    random.x = std::clamp((random.x - ground_share_) / sky_share_, 0.f, 0x1.fffffep-1f);
+    const Vec2f p = distribution_.sample(random);
+    return Vec3f(from_table(p.x, p.y));
+  }
+
+  static constexpr int sun_rows = 16;
+
+  double intensity_ = 1;
+  Vec3d to_sun_;
+  float sun_azimuth_ = 0;               // radians from +z towards +x
+  Frame sun_frame_;
+  float sun_width_ = 0;                 // 1 - cos of its angular radius
+  double sun_bottom_ = 0, sun_top_ = 0; // elevations
+  Spectrum sun_[sun_rows];
+  std::vector<Spectrum> table_;         // rows + 1 rows of the sky
+  Spectrum ground_;
+  Distribution2D distribution_;
+  float sun_share_ = 0, sky_share_ = 0, ground_share_ = 0;
+  float flux_ = 0;                      // luminance integrated over all directions
+};
+
+}  // namespace
+
+void register_sky(LightRegistry& r) { r.add<Sky>("sky", "The sun and a clear sky over flat ground"); }
+
+}  // namespace meristem

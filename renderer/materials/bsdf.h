@@ -1,0 +1,67 @@
+// Bsdf: the scattering of one hit with all parameters evaluated: a plain record that a material fills and an integrator
+// asks. Lives on the stack; no allocation. Directions are unit, in world space, away from the surface.
+//
+// Lobes, for a surface that is `metalness` metal and otherwise a dielectric over a diffuse base:
+//  - GGX reflection (ggx.h) with the exact dielectric Fresnel term, or for metal the F82-tint of Kutz, Hasan,
+//    Edmondson 2021, "Novel Aspects of the Adobe Standard Material", section 2.3;
+//  - for metal, the light that scatters between microfacets: Kulla and Conty 2017, "Revisiting Physically Based
+//    Shading";
+//  - diffuse reflection, Lambert or, with diffuse_roughness, EON (Portsmouth, Kutz, Hill 2024, "EON: A Practical
+//    Energy-Preserving Rough Diffuse BRDF"), and diffuse transmission (Lambert), both dimmed by what the dielectric has
+//    reflected on the way in and out, such that a white base under it gives back all light (Kelemen, Szirmay-Kalos 2001).
+//
+// Which side a direction lies on is decided by the geometric normal; cosines use the shading normal, bent towards wo
+// where it would face away. Directions that the two normals see on different sides scatter nothing, so no light leaks;
+// towards that border reflection fades as in Chiang, Li, Burley 2019, "Taming the Shadow Terminator". With equal
+// normals it is reciprocal and conserves energy. Finite for every finite input; parameters must be in the ranges given.
+#pragma once
+
+#include "renderer/scene/interfaces.h"
+#include "renderer/scene/warps.h"
+
+namespace meristem {
+
+struct Bsdf {
+  // Parameters: set by Material::evaluate. Colours lie in [0, 1].
+  Spectrum diffuse{0.8f, 0.8f, 0.8f};   // albedo of diffuse reflection
+  Spectrum transmitted{};               // albedo of diffuse transmission; diffuse + transmitted <= 1
+  float diffuse_roughness = 0;          // [0, 1]
+  float metalness = 0;                  // [0, 1]
+  float alpha = 0.09f;                  // GGX, [ggx::min_alpha, 1]
+  float f0 = 0.04f;                     // dielectric reflectance at normal incidence, [0, ggx::max_f0]
+  Spectrum dielectric_tint{1, 1, 1};    // multiplies the dielectric reflection
+  Spectrum metal_f0{};                  // metal reflectance at normal incidence
+  Spectrum metal_f82{1, 1, 1};          // tint at 82 degrees
+  float metal_weight = 1;               // multiplies the metal reflection
+  float opacity = 1;                    // probability that light meets the surface at all
+  Spectrum emission{};                  // radiance, all directions, both sides
+
+  // Sets the normals for light that leaves towards point.wo, and forgets nothing else.
+  void set_frame(const ShadingPoint& point);
+
+  // The scattered part times |cos| of wi. Zero if wo is not on the side of set_frame().
+  Spectrum evaluate(Vec3f wo, Vec3f wi) const;
+  // The density of sample() by solid angle.
+  float pdf(Vec3f wo, Vec3f wi) const;
+  // `choice` picks the lobe, `random` the direction in it. pdf 0: absorbed.
+  BsdfSample sample(Vec3f wo, Vec2f random, float choice) const;
+
+ private:
+  struct Shares {
+    float specular = 0, diffuse = 0, transmitted = 0;  // sum to 1, or all 0
+  };
+  Shares shares(float cosine) const;
+  Spectrum fresnel(float cosine) const;
+  Spectrum metal_fresnel(float cosine) const;
+  Spectrum metal_interreflection(float cos_o, float cos_i) const;
+  Spectrum metal_mean_fresnel() const;
+  float through_dielectric(float cos_o, float cos_i) const;
+  Spectrum diffuse_reflectance(Vec3f wo, Vec3f wi) const;
+  float terminator(Vec3f wi) const;
+  bool same_side(Vec3f w) const { return dot(w, geometric_normal_) > 0; }
+
+  Vec3f geometric_normal_{0, 0, 1};  // on the side of wo
+  Frame frame_;                      // around the shading normal, on the side of wo
+};
+
+}  // namespace meristem

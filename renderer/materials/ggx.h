@@ -1,0 +1,47 @@
+// GGX microfacets: isotropic, in a local frame with z along the normal; directions unit, with z > 0 unless said
+// otherwise.
+//
+// Distribution and masking: Walter et al. 2007, "Microfacet Models for Refraction"; height-correlated Smith term and
+// reflected density: Heitz 2014, "Understanding the Masking-Shadowing Function", sections 5 and 6.
+// alpha is the squared roughness. Pure functions; any thread. The albedo tables are computed at their first use
+// (some 40 ms) and then only read.
+#pragma once
+
+#include "geometry/base/vec.h"
+
+namespace meristem::ggx {
+
+constexpr float min_alpha = 1e-3f;  // below it float directions no longer resolve the peak
+
+// Density of microfacet normals; its integral of D(h) h.z is 1.
+float distribution(Vec3f h, float alpha);
+float lambda(Vec3f w, float alpha);
+inline float masking(Vec3f w, float alpha) { return 1 / (1 + lambda(w, alpha)); }
+// Both ways at once, height-correlated.
+inline float masking_shadowing(Vec3f wo, Vec3f wi, float alpha) {
+  return 1 / (1 + lambda(wo, alpha) + lambda(wi, alpha));
+}
+
+// D G / (4 cos cos): a BRDF but for the Fresnel term.
+float reflectance(Vec3f wo, Vec3f wi, float alpha);
+// The normal of a microfacet that wo sees. Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
+Vec3f sample_visible_normal(Vec3f wo, float alpha, Vec2f random);
+// The density, by solid angle, of the mirror directions of those normals.
+float reflected_pdf(Vec3f wo, Vec3f wi, float alpha);
+
+// Unpolarised Fresnel reflectance at an interface to a relative index eta >= 1, seen from outside.
+float fresnel_dielectric(float cosine, float eta);
+// eta from the reflectance at normal incidence in [0, 1), and back.
+float eta_of(float f0);
+float f0_of(float eta);
+
+// The largest f0 that dielectric albedos are tabulated for: eta = 4.
+constexpr float max_f0 = 0.36f;
+// The part of the light that single scattering reflects from direction cosine `c`, and its cosine-weighted mean.
+float dielectric_albedo(float c, float alpha, float f0);
+float dielectric_mean_albedo(float alpha, float f0);
+// The same with a Fresnel term of 1: what is missing from 1 is lost to scattering between microfacets.
+float white_albedo(float c, float alpha);
+float white_mean_albedo(float alpha);
+
+}  // namespace meristem::ggx

@@ -1,0 +1,61 @@
+#include "renderer/materials/material_symbols.h"
+
+#include "geometry/base/check.h"
+
+namespace meristem {
+
+// The order here is that of MaterialValues.
+const Symbols& material_symbols() {
+  static const Symbols symbols = [] {
+    Symbols s;
+    s.add("u", ValueType::Scalar, "texture coordinate");
+    s.add("v", ValueType::Scalar, "texture coordinate");
+    s.add("P", ValueType::Vector, "position, world space, metres");
+    s.add("N", ValueType::Vector, "shading normal, unit");
+    s.add("I", ValueType::Vector, "direction of view, towards the surface, unit");
+    s.add("key", ValueType::Scalar, "random number in [0, 1) of the grown face");
+    for (int i = 0; i < max_growth_parameters; ++i)
+      s.add("p" + std::to_string(i), ValueType::Scalar, "parameter of the grown face's symbol");
+    return s;
+  }();
+  return symbols;
+}
+
+MaterialValues::MaterialValues(const ShadingPoint& point) {
+  const SurfaceHit& hit = point.hit;
+  if (hit.origin) key = hit.origin->key;
+  const Vec3f key_value(uniform_float(scramble(key)));
+  values = {Vec3f(hit.u), Vec3f(hit.v), hit.position, hit.shading_normal, -point.wo, key_value};
+  for (int i = 0; i < max_growth_parameters; ++i)
+    values[std::size_t(6 + i)] = Vec3f(hit.origin ? hit.origin->parameters[std::size_t(i)] : 0.f);
+}
+
+ScalarParameter::ScalarParameter(Params& params, const char* name, const char* fallback, float lower, float upper,
+                                 const char* doc)
+    : expression_(params.scalar_expression(name, fallback, material_symbols(), doc)), lower_(lower), upper_(upper) {
+  CHECK(expression_, "no expression for \"{}\"", name);
+  constant_ = expression_->is_constant();
+  if (constant_) value_ = clean(expression_->evaluate_scalar(std::array<Vec3f, material_symbol_count>{}));
+}
+
+float ScalarParameter::at(const MaterialValues& v) const {
+  return constant_ ? value_ : clean(expression_->evaluate_scalar(v.values, v.key));
+}
+
+ColorParameter::ColorParameter(Params& params, const char* name, const char* fallback, float upper, const char* doc)
+    : expression_(params.vector_expression(name, fallback, material_symbols(), doc)), upper_(upper) {
+  CHECK(expression_, "no expression for \"{}\"", name);
+  constant_ = expression_->is_constant();
+  if (constant_) value_ = clean(expression_->evaluate_vector(std::array<Vec3f, material_symbol_count>{}));
+}
+
+Spectrum ColorParameter::at(const MaterialValues& v) const {
+  return constant_ ? value_ : clean(expression_->evaluate_vector(v.values, v.key));
+}
+
+Spectrum ColorParameter::clean(Vec3f c) const {
+  auto channel = [&](float x) { return x > 0 ? std::min(x, upper_) : 0.f; };
+  return {channel(c.x), channel(c.y), channel(c.z)};
+}
+
+}  // namespace meristem

@@ -1,0 +1,60 @@
+// The variables that material expressions see, and material parameters that are such expressions.
+//
+//   u, v       texture coordinates             P   position, world space, metres
+//   N          shading normal, unit            I   direction the surface is looked at along (towards it), unit
+//   p0 .. p7   parameters of the symbol that the face had when growth made it
+//   key        a random number in [0, 1) of that face; rand() gives more of them
+//
+// Immutable after construction; any thread. A parameter that is constant costs nothing at a hit.
+#pragma once
+
+#include "geometry/fields/expression.h"
+#include "renderer/scene/interfaces.h"
+
+#include <array>
+
+namespace meristem {
+
+constexpr int material_symbol_count = 6 + max_growth_parameters;
+
+const Symbols& material_symbols();
+
+// The values of the symbols at one hit, as expressions take them.
+struct MaterialValues {
+  explicit MaterialValues(const ShadingPoint& point);
+  std::array<Vec3f, material_symbol_count> values;
+  Key key = 0;  // of the grown face
+};
+
+// A scalar parameter, clamped to a range. What is not a number becomes the range's lower end.
+class ScalarParameter {
+ public:
+  ScalarParameter(Params& params, const char* name, const char* fallback, float lower, float upper, const char* doc);
+  float at(const MaterialValues& values) const;
+  bool is_constant() const { return constant_; }
+
+ private:
+  float clean(float x) const { return x > lower_ ? std::min(x, upper_) : lower_; }
+
+  std::shared_ptr<const Expression> expression_;
+  float lower_, upper_;
+  bool constant_;
+  float value_ = 0;
+};
+
+// A colour parameter; each channel clamped as a scalar is.
+class ColorParameter {
+ public:
+  ColorParameter(Params& params, const char* name, const char* fallback, float upper, const char* doc);
+  Spectrum at(const MaterialValues& values) const;
+
+ private:
+  Spectrum clean(Vec3f c) const;
+
+  std::shared_ptr<const Expression> expression_;
+  float upper_;
+  bool constant_;
+  Spectrum value_;
+};
+
+}  // namespace meristem

@@ -1,0 +1,116 @@
+#include "renderer/scene/load_model.h"
+
+#include "geometry/mesh/adjacency.h"
+#include "procedural/growth/forecast.h"
+#include "procedural/growth/grow_step.h"
+#include "procedural/subdivision/subdivide.h"
+#include "renderer/scene/all_components.h"
+
+#include <fmt/format.h>
+
+namespace meristem {
+
+namespace {
+
+constexpr int most_levels = 64;
+
+class ModelBuilder {
+ public:
+  ModelBuilder(const std::string& name, const Value& value, int seed, const ModelContext& context)
+      : name_(name), context_(context), diagnostics_(context.diagnostics), seed_(hash_keys(hash_text(name), Key(seed))), value_(value) {}
+
+  std::shared_ptr<const Model> build() {
+    const std::size_t errors_before = diagnostics_.list().size();
+    Params params(value_, fmt::format("model \"{}\"", name_), diagnostics_);
+    const ModelSection section = read_model(params);
+    params.finish();
+    if (!section.base) return nullptr;
+
+    Mesh base = build_base(section, params);
+    if (section.steps) read_steps(*section.steps);
+    symbols_->report_terminals(diagnostics_);
+    if (has_errors_since(errors_before)) return nullptr;
+    check_corner_counts(base, steps_, diagnostics_);
+    if (has_errors_since(errors_before)) return nullptr;
+    try {
+      return std::make_shared<const Model>(seed_name(), std::move(base), std::move(steps_));
+    } catch (const std::runtime_error& error) {
+      diagnostics_.error(value_.location, error.what());
+      return nullptr;
+    }
+  }
+
+ private:
+  std::string seed_name() const { return fmt::format("{}#{:x}", name_, seed_); }
+
+  bool has_errors_since(std::size_t first) const {
+    const auto& list = diagnostics_.list();
+    for (std::size_t i = first; i < list.size(); ++i)
+      if (list[i].severity == Diagnostic::Severity::Error) return true;
+    return false;
+  }
+
+  Mesh build_base(const ModelSection& section, Params& params) {
+    const int material = section.material.empty() ? 0 : context_.material_index(section.material, params.location_of("material"));
+    const auto shape = all_components().bases.create(*section.base, "", diagnostics_);
+    if (!shape) return {};
+    BaseContext context{*symbols_, diagnostics_, seed_, material, context_.folder};
+    Mesh mesh = shape->build(context);
+    if (const std::string defect = manifold_defect(mesh); !defect.empty())
+      diagnostics_.error(section.base->location, fmt::format("the base mesh is not a manifold: {}", defect));
+    else if (mesh.face_count() == 0)
+      diagnostics_.error(section.base->location, "the base mesh has no faces");
+    return mesh;
+  }
+
+  void read_steps(const Value& steps) {
+    if (steps.kind != Value::Kind::Array)
+      return diagnostics_.error(steps.location, fmt::format("\"steps\" is an array of steps, found {}", steps.kind_name()));
+    for (const Value& step : steps.items) read_step(step);
+    if (int(steps_.size()) > most_levels)
+      diagnostics_.error(steps.location, fmt::format("the steps make {} levels; the limit is {}", steps_.size(), most_levels));
+  }
+
+  void read_step(const Value& step) {
+    const bool is_object = step.kind == Value::Kind::Object;
+    if (is_object && step.find("subdivide")) {
+      Params params(step, "step \"subdivide\"", diagnostics_);
+      auto made = read_subdivide(params, subdivisions_ + 1, hash_keys(seed_, 1, step_count_++));
+      params.finish();
+      subdivisions_ += int(made.size());
+      for (auto& s : made) steps_.push_back(std::move(s));
+    } else if (is_object && step.find("grow")) {
+      for (auto& s : make_grow_steps(step, grow_context_, diagnostics_)) steps_.push_back(std::move(s));
+    } else {
+      diagnostics_.error(step.location, "a step is an object with \"subdivide\" or \"grow\"");
+    }
+  }
+
+  const std::string name_;
+  const ModelContext& context_;
+  Diagnostics& diagnostics_;
+  const Key seed_;
+  const Value& value_;
+  std::shared_ptr<GrowthSymbols> symbols_ = std::make_shared<GrowthSymbols>();
+  GrowContext grow_context_{all_components().templates, symbols_, seed_, context_.material_index, context_.folder};
+  std::vector<std::unique_ptr<Step>> steps_;
+  int subdivisions_ = 0;
+  Key step_count_ = 0;
+};
+
+}  // namespace
+
+ModelSection read_model(Params& params) {
+  ModelSection section;
+  section.base = params.raw("base", true, R"({"$ref": "#/definitions/base"})", "the mesh to start from");
+  section.material = params.text("material", "", "name of the material of all faces that say nothing else");
+  section.steps = params.raw("steps", false, R"({"type": "array", "items": {"$ref": "#/definitions/step"}})",
+                             "subdivide and grow steps, in order");
+  return section;
+}
+
+std::shared_ptr<const Model> build_model(const std::string& name, const Value& value, int seed, const ModelContext& context) {
+  return ModelBuilder(name, value, seed, context).build();
+}
+
+}  // namespace meristem

@@ -1,0 +1,30 @@
+// The section "model" of a scene file: a base mesh and steps.
+#pragma once
+
+#include "geometry/base/params.h"
+#include "geometry/cells/model.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace meristem {
+
+struct ModelSection {
+  const Value* base = nullptr;
+  std::string material;             // empty: the default
+  const Value* steps = nullptr;
+};
+ModelSection read_model(Params& params);
+
+// What a model needs of the scene around it.
+struct ModelContext {
+  std::function<int(const std::string& name, const Location& where)> material_index;  // reports unknown names itself
+  std::string folder;  // of the scene's assets
+  Diagnostics& diagnostics;
+};
+
+// Builds the model called `name` in the variant `seed`. Null, with errors in the diagnostics, if it cannot be.
+std::shared_ptr<const Model> build_model(const std::string& name, const Value& value, int seed, const ModelContext& context);
+
+}  // namespace meristem

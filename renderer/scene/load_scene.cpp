@@ -1,0 +1,153 @@
+#include "renderer/scene/load_scene.h"
+
+#include "geometry/base/parallel.h"
+#include "geometry/base/sha256.h"
+#include "renderer/language/scene_file.h"
+#include "renderer/scene/all_components.h"
+#include "renderer/scene/load_settings.h"
+#include "renderer/scene/load_world.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+
+namespace meristem {
+
+namespace {
+
+class SceneBuilder {
+ public:
+  SceneBuilder(const std::string& path, const LoadOptions& options) : path_(path), options_(options) {}
+
+  LoadedScene build() {
+    const Value file = read_scene_file(path_, diagnostics_);
+    diagnostics_.throw_if_errors();
+    Params params(file, "scene", diagnostics_);
+    params.raw("format", false, "", "");
+    const Value* materials = section(params, "materials", Value::Kind::Object);
+    const Value* models = section(params, "models", Value::Kind::Object);
+    const Value* objects = section(params, "objects", Value::Kind::Array);
+    const Value* lights = section(params, "lights", Value::Kind::Array);
+    const Value* camera = section(params, "camera", Value::Kind::Object);
+    const Value* cameras = section(params, "cameras", Value::Kind::Object);
+    const Value* render = section(params, "render", Value::Kind::Object);
+    params.finish();
+
+    scene_ = std::make_unique<Scene>();
+    add_materials(materials);
+    add_lights(lights);
+    choose_camera(file, camera, cameras);
+    add_render(render);
+    const ModelContext context{[this](const std::string& name, const Location& where) { return material_index(name, where); }, folder(), diagnostics_};
+    std::vector<WorldObject> world = build_objects(models, objects, context);
+    diagnostics_.throw_if_errors();
+
+    const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
+    scene_->intersector = make_world(std::move(world), {options_.expand, scene_->settings.budget_bytes, threads});
+    for (auto& light : scene_->lights) light->prepare(scene_->intersector->bounds());
+    return {std::move(scene_), sha256(file.location.source ? file.location.source->text : ""), diagnostics_.list()};
+  }
+
+ private:
+  std::string folder() const {
+    return path_ == "-" ? std::filesystem::current_path().string() : std::filesystem::absolute(path_).parent_path().string();
+  }
+
+  const Value* section(Params& params, const char* name, Value::Kind kind) {
+    const Value* value = params.raw(name, false, "", "");
+    if (!value || value->kind == kind) return value;
+    diagnostics_.error(value->location, fmt::format("\"{}\" is {}, found {}", name, kind == Value::Kind::Array ? "an array" : "an object", value->kind_name()));
+    return nullptr;
+  }
+
+  // An object that stands for "all defaults".
+  Value empty_object() const {
+    Value value;
+    value.kind = Value::Kind::Object;
+    return value;
+  }
+
+  template <class Interface>
+  std::unique_ptr<Interface> make(const Registry<Interface>& registry, const Value* value, const char* fallback) {
+    const Value defaults = empty_object();
+    return registry.create(value ? *value : defaults, fallback, diagnostics_);
+  }
+
+  void add_materials(const Value* materials) {
+    scene_->materials.push_back(make<Material>(all_components().materials, nullptr, default_material));
+    if (!materials) return;
+    for (const Member& m : materials->members) {
+      material_names_[m.key] = int(scene_->materials.size());
+      scene_->materials.push_back(make(all_components().materials, &m.value, default_material));
+    }
+  }
+
+  int material_index(const std::string& name, const Location& where) {
+    if (const auto it = material_names_.find(name); it != material_names_.end()) return it->second;
+    std::vector<std::string> names;
+    for (const auto& [known, index] : material_names_) names.push_back(known);
+    const std::string_view near = nearest_name(name, names);
+    diagnostics_.error(where, fmt::format("no material named \"{}\"{}; known: {}", name,
+                                          near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), fmt::join(names, ", ")));
+    return 0;
+  }
+
+  void add_lights(const Value* lights) {
+    if (!lights) return;
+    for (const Value& light : lights->items)
+      if (auto made = all_components().lights.create(light, "", diagnostics_)) scene_->lights.push_back(std::move(made));
+  }
+
+  // "camera" is one, "cameras" are several by name; --camera picks one of these.
+  void choose_camera(const Value& file, const Value* camera, const Value* cameras) {
+    std::vector<std::string> names;
+    const Value* chosen = options_.camera.empty() ? camera : nullptr;
+    if (camera) all_components().cameras.create(*camera, default_camera, diagnostics_);
+    for (const Member& m : cameras ? cameras->members : std::vector<Member>{}) {
+      names.push_back(m.key);
+      all_components().cameras.create(m.value, default_camera, diagnostics_);
+    }
+    if (!chosen && cameras)
+      for (const Member& m : cameras->members)
+        if (options_.camera.empty() ? !chosen : m.key == options_.camera) chosen = &m.value;
+    if (!chosen)
+      diagnostics_.error(file.location, options_.camera.empty() ? std::string("the scene has no \"camera\"")
+                                                                : fmt::format("no camera named \"{}\"; known: {}", options_.camera, fmt::join(names, ", ")));
+    Diagnostics reported_already;
+    if (chosen) scene_->camera = all_components().cameras.create(*chosen, default_camera, reported_already);
+  }
+
+  void add_render(const Value* render) {
+    const Value defaults = empty_object();
+    Params params(render ? *render : defaults, "render", diagnostics_);
+    const RenderSection section = read_render(params);
+    params.finish();
+    scene_->settings = section.settings;
+    override_settings(scene_->settings);
+    scene_->integrator = make(all_components().integrators, section.integrator, default_integrator);
+    scene_->sampler = make(all_components().samplers, section.sampler, default_sampler);
+    scene_->filter = make(all_components().filters, section.filter, default_filter);
+  }
+
+  void override_settings(RenderSettings& s) const {
+    s.width = options_.width.value_or(s.width);
+    s.height = options_.height.value_or(s.height);
+    s.samples = options_.samples.value_or(s.samples);
+    s.max_depth = options_.max_depth.value_or(s.max_depth);
+    s.seed = options_.seed.value_or(s.seed);
+    s.budget_bytes = options_.budget_bytes.value_or(s.budget_bytes);
+  }
+
+  const std::string path_;
+  const LoadOptions& options_;
+  Diagnostics diagnostics_;
+  std::unique_ptr<Scene> scene_;
+  std::map<std::string, int> material_names_;
+};
+
+}  // namespace
+
+LoadedScene load_scene(const std::string& path, const LoadOptions& options) { return SceneBuilder(path, options).build(); }
+
+}  // namespace meristem

@@ -1,0 +1,40 @@
+// From a scene file to a Scene ready to render: read, check, build. Nothing is traced yet.
+//
+// With ExpandMode::Lazy geometry expands where rays hit; Eager expands every cell while loading; Flat expands
+// everything into one Embree scene without cells or cache. The three show the same image (docs/architecture.md names
+// the exceptions).
+#pragma once
+
+#include "geometry/accel/world.h"
+#include "geometry/base/source.h"
+#include "renderer/scene/scene.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace meristem {
+
+// What the command line says over the scene file; what is not set stays as the file has it.
+struct LoadOptions {
+  ExpandMode expand = ExpandMode::Lazy;
+  int threads = 0;                            // for eager expansion; 0: default_thread_count()
+  std::optional<std::uint64_t> budget_bytes;  // of the geometry cache
+  std::optional<int> width, height, samples, max_depth;
+  std::optional<std::uint64_t> seed;
+  std::string camera;  // name of one of the file's cameras; empty: the file's first
+};
+
+struct LoadedScene {
+  std::unique_ptr<Scene> scene;  // never null
+  std::string sha256;            // of the scene text, 64 hexadecimal digits
+  std::vector<Diagnostic> warnings;
+};
+
+// `path` is a file, or "-" for standard input. Throws SceneErrors with every error of the pass, an unreadable file
+// among them.
+LoadedScene load_scene(const std::string& path, const LoadOptions& options);
+
+}  // namespace meristem

@@ -1,0 +1,28 @@
+// Where a ray that leaves a surface starts, so that it does not meet the same surface again: the hit's position moved
+// along the geometric normal by the bound of its error, then to the next float outwards. No scene-wide epsilon.
+// Pharr, Jakob, Humphreys 2023, Physically Based Rendering, section 6.8.6.
+#pragma once
+
+#include "geometry/accel/surface.h"
+
+namespace meristem {
+
+inline Vec3f ray_origin(const SurfaceHit& hit, Vec3f direction) {
+  const float distance = dot(abs(hit.geometric_normal), hit.position_error);
+  const Vec3f normal = dot(direction, hit.geometric_normal) < 0 ? -hit.geometric_normal : hit.geometric_normal;
+  const Vec3f offset = normal * distance;
+  Vec3f origin = hit.position + offset;
+  for (int i = 0; i < 3; ++i)
+    if (normal[i] != 0) origin[i] = std::nextafter(origin[i], std::copysign(INFINITY, normal[i]));
+  return origin;
+}
+
+inline Ray ray_from(const SurfaceHit& hit, Vec3f direction, float time) {
+  Ray ray;
+  ray.origin = ray_origin(hit, direction);
+  ray.direction = direction;
+  ray.time = time;
+  return ray;
+}
+
+}  // namespace meristem

@@ -1,0 +1,39 @@
+// Scene: everything a render needs, built once from a scene file, then read-only.
+#pragma once
+
+#include "renderer/scene/interfaces.h"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace meristem {
+
+// The settings of the member "render" of a scene file; command line options override them.
+struct RenderSettings {
+  int width = 1280, height = 720;
+  int samples = 64;
+  int max_depth = 8;                // bounces
+  std::uint64_t seed = 0;
+  std::uint64_t budget_bytes = std::uint64_t(2) << 30;  // of the geometry cache
+};
+
+class Scene {
+ public:
+  std::unique_ptr<Camera> camera;
+  std::vector<std::unique_ptr<Light>> lights;
+  std::vector<std::unique_ptr<Material>> materials;      // by FaceOrigin::material; never empty: [0] is the default
+  std::unique_ptr<Integrator> integrator;
+  std::unique_ptr<Sampler> sampler;
+  std::unique_ptr<Filter> filter;
+  std::unique_ptr<Intersector> intersector;
+  RenderSettings settings;
+
+  const Material& material_of(const SurfaceHit& hit) const {
+    const int i = hit.origin ? hit.origin->material : 0;
+    return *materials[i >= 0 && std::size_t(i) < materials.size() ? std::size_t(i) : 0];
+  }
+};
+
+}  // namespace meristem

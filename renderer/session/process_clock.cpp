@@ -1,0 +1,53 @@
+#include "renderer/session/process_clock.h"
+
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string>
+
+#include <time.h>
+#include <unistd.h>
+
+namespace meristem {
+
+namespace {
+
+double boot_clock_s() {
+  timespec now{};
+  ::clock_gettime(CLOCK_BOOTTIME, &now);
+  return double(now.tv_sec) + double(now.tv_nsec) * 1e-9;
+}
+
+// Field 22 of /proc/self/stat (proc(5)), in seconds since boot. Fields are counted after the name in parentheses, which
+// may hold spaces.
+std::optional<double> start_of_process_s() {
+  std::ifstream in("/proc/self/stat");
+  std::string line, field;
+  if (!std::getline(in, line)) return std::nullopt;
+  std::istringstream fields(line.substr(line.rfind(')') + 1));
+  for (int i = 3; i <= 22; ++i)
+    if (!(fields >> field)) return std::nullopt;
+  return std::stod(field) / double(::sysconf(_SC_CLK_TCK));
+}
+
+// Read once, when the library is initialised. A system whose clocks disagree (some containers) gets that moment.
+double process_start_s() {
+  const double now = boot_clock_s();
+  const double start = start_of_process_s().value_or(now);
+  return start <= now && now - start < 60 ? start : now;
+}
+
+const double started_s = process_start_s();
+
+}  // namespace
+
+double process_age_s() { return boot_clock_s() - started_s; }
+
+std::uint64_t peak_resident_bytes() {
+  std::ifstream in("/proc/self/status");
+  for (std::string line; std::getline(in, line);)
+    if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024;
+  return 0;
+}
+
+}  // namespace meristem

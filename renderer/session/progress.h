@@ -1,0 +1,41 @@
+// How far the render is, on standard error: a bar with the time left on a terminal, plain lines every few seconds
+// elsewhere (a log keeps them), nothing when quiet. One thread.
+#pragma once
+
+#include "renderer/session/session.h"
+
+#include <cstdio>
+#include <string>
+
+namespace meristem {
+
+// "1.4 s", "3 min 20 s", "2 h 5 min".
+std::string format_duration(double seconds);
+
+// " 43 % [=========>           ] pass 3/4, 12 s, 16 s left"; the bar fills `columns`.
+std::string format_bar(const RenderProgress& progress, int columns);
+// "43 %, pass 3/4, 12 s, 16 s left"
+std::string format_line(const RenderProgress& progress);
+
+class ProgressDisplay {
+ public:
+  enum class Style { None, Bar, Lines };
+
+  // A bar if `out` is a terminal, else lines.
+  static Style style_for(std::FILE* out);
+
+  ProgressDisplay(std::FILE* out, Style style) : out_(out), style_(style) {}
+  ~ProgressDisplay();  // wipes the bar
+  ProgressDisplay(const ProgressDisplay&) = delete;
+  ProgressDisplay& operator=(const ProgressDisplay&) = delete;
+
+  void update(const RenderProgress& progress);
+
+ private:
+  std::FILE* out_;
+  Style style_;
+  double last_line_s_ = 0;
+  bool bar_shown_ = false;
+};
+
+}  // namespace meristem

@@ -1,0 +1,95 @@
+"""Reads every text file of ours and names lines that break the habits of the tree: tabs, white space at the end, lines
+over 120 columns in sources, conflict marks, paths of one machine, hosts of package registries, a header without
+#pragma once, a file that does not end in a line feed.
+
+    text.py ROOT          checks the tree
+    text.py --self-test   checks this check
+"""
+import pathlib
+import re
+import sys
+import tempfile
+
+FILES = ["dev", "README.md", "CMakeLists.txt", "CMakePresets.json", ".clang-format", ".gitignore"]
+FOLDERS = ["geometry", "procedural", "renderer", "tests", "cmake", "docs", "scenes", ".ci"]
+SOURCES = {".h", ".cpp", ".py", ".cmake", ".txt", ".sh"}
+TEXTS = SOURCES | {".md", ".json", ".jsonc", ".yml", ""}
+GENERATED = {"docs/components.md", "docs/scene.schema.json"}
+LIMIT = 120
+
+# Patterns are written so that they do not match themselves.
+LINE_RULES = [
+    (r"\t", "a tab"),
+    (r"[ \t\r]$", "white space at the end of the line"),
+    (r"^(<{7}|>{7}) ", "a conflict mark"),
+    (r"(?<![\w.])/(?:work|home|root)/", "a path of one machine"),
+    (r"(?:deb\.debian|pypi|pythonhosted|npmjs|proxy\.golang)\.org|crates\.io", "a host of a package registry"),
+]
+
+
+def texts_below(root):
+    yield from filter(pathlib.Path.is_file, (root / name for name in FILES))
+    for folder in FOLDERS:
+        for path in sorted((root / folder).rglob("*")):
+            generated = path.relative_to(root).as_posix() in GENERATED or "__pycache__" in path.parts
+            if path.is_file() and path.suffix in TEXTS and not generated:
+                yield path
+
+
+def errors_in(root):
+    for path in texts_below(root):
+        name = path.relative_to(root).as_posix()
+        try:
+            text = path.read_bytes().decode()  # not read_text(), which hides carriage returns
+        except UnicodeDecodeError as error:
+            yield f"{name}: not UTF-8: {error.reason} at byte {error.start}"
+            continue
+        if text and not text.endswith("\n"):
+            yield f"{name}: does not end in a line feed"
+        if path.suffix == ".h" and "#pragma once" not in text:
+            yield f"{name}: no #pragma once"
+        for number, line in enumerate(text.split("\n"), 1):
+            for pattern, what in LINE_RULES:
+                if re.search(pattern, line):
+                    yield f"{name}:{number}: {what}"
+            if path.suffix in SOURCES and len(line) > LIMIT:
+                yield f"{name}:{number}: {len(line)} columns; the limit is {LIMIT}"
+
+
+def self_test():
+    planted = {
+        "geometry/a.h": ("int a;\n", "no #pragma once"),
+        "geometry/b.cpp": ("\tint b;\n", "a tab"),
+        "geometry/c.cpp": ("int c; \n", "white space"),
+        "docs/d.md": ("windows\r\n", "white space"),
+        "docs/e.md": ("no end", "line feed"),
+        "geometry/f.cpp": ("//" + "x" * LIMIT + "\n", "122 columns"),
+        "docs/g.md": ("see " + "/home" + "/me/notes\n", "path of one machine"),
+        "docs/h.md": ("https://py" + "pi.org/x\n", "package registry"),
+        "docs/i.md": ("<" * 7 + " ours\n", "conflict"),
+        "docs/z.md": ("\udcff\n", "not UTF-8"),
+        "docs/j.md": ("x" * 200 + "\n", None),
+        "geometry/k.h": ("// ../root/x is no such path\n#pragma once\n", None),
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        for path, (text, _) in planted.items():
+            (root / path).parent.mkdir(exist_ok=True)
+            (root / path).write_bytes(text.encode(errors="surrogateescape"))
+        found = list(errors_in(root))
+    wrong = []
+    for path, (_, expected) in planted.items():
+        messages = [m for m in found if m.startswith(path)]
+        if len(messages) != (expected is not None) or (expected and expected not in messages[0]):
+            wrong.append(f"{path}: expected {expected!r}, found {messages}")
+    return wrong
+
+
+def main(argument):
+    errors = self_test() if argument == "--self-test" else list(errors_in(pathlib.Path(argument)))
+    print("\n".join(errors) or "every text file keeps the habits of the tree")
+    return 1 if errors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

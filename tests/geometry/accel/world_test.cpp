@@ -1,0 +1,175 @@
+#include "geometry/accel/world.h"
+
+#include "geometry/base/parallel.h"
+#include "tests/support/test_model.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+
+namespace meristem {
+namespace {
+
+Vec3f direction(Key key) {
+  const double z = 1 - 2 * uniform_double(hash_keys(key, 1)), a = 2 * pi * uniform_double(hash_keys(key, 2)), s = std::sqrt(1 - z * z);
+  return {float(s * std::cos(a)), float(s * std::sin(a)), float(z)};
+}
+
+// Rays from a sphere around the model towards points near its middle.
+Ray ray_towards(Key key) {
+  const Vec3f from = direction(hash_keys(key, 3)) * 6.0f + Vec3f{0, 1, 0};
+  const Vec3f to = direction(hash_keys(key, 4)) * 1.2f * uniform_float(hash_keys(key, 5)) + Vec3f{0, 1, 0};
+  return Ray{from, normalize(to - from)};
+}
+
+std::unique_ptr<Intersector> world_of(std::shared_ptr<const Model> model, const WorldOptions& options) {
+  std::vector<WorldObject> objects(1);
+  objects[0].model = std::move(model);
+  return make_world(std::move(objects), options);
+}
+
+std::uint64_t bits_of(const SurfaceHit& hit) {
+  Key h = 0;
+  for (float x : {hit.t, hit.position.x, hit.position.y, hit.position.z, hit.geometric_normal.x, hit.geometric_normal.y, hit.geometric_normal.z,
+                  hit.shading_normal.x, hit.u, hit.v}) {
+    std::uint32_t bits;
+    std::memcpy(&bits, &x, 4);
+    h = hash_keys(h, bits);
+  }
+  return hash_keys(h, hit.origin ? hit.origin->key : 0);
+}
+
+struct Traced {
+  std::vector<std::uint64_t> hits;
+  ExpansionStatistics statistics;
+};
+
+Traced trace(const std::shared_ptr<const Model>& model, const WorldOptions& options, int threads, int count) {
+  const auto world = world_of(model, options);
+  Traced result;
+  result.hits.resize(std::size_t(count));
+  std::atomic<int> next{0};
+  run_threads(threads, [&](int) {
+    for (int begin; (begin = next.fetch_add(16)) < count;)
+      for (int i = begin; i < std::min(count, begin + 16); ++i) {
+        SurfaceHit hit;
+        const bool found = world->intersect(ray_towards(Key(i)), hit);
+        result.hits[std::size_t(i)] = found ? bits_of(hit) : 0;
+        EXPECT_EQ(world->occluded(ray_towards(Key(i))), found);
+        world->quiescent();
+      }
+  });
+  result.statistics = world->statistics();
+  return result;
+}
+
+const CellSettings small_cells{64, 64};
+
+TEST(World, LazyAndEagerGiveTheSameBitsForAnyThreadsAndBudget) {
+  const auto model = bumpy_model(shapes::prism(8), 5, 0.1, small_cells);
+  const Traced eager = trace(model, {.mode = ExpandMode::Eager}, 1, 400);
+  EXPECT_EQ(eager.statistics.evicted, 0u);
+  for (int threads : {1, 2, 8})
+    for (std::size_t budget : {std::size_t(200) << 10, std::size_t(800) << 10, std::size_t(1) << 40}) {
+      const Traced lazy = trace(model, {.mode = ExpandMode::Lazy, .budget_bytes = budget}, threads, 400);
+      EXPECT_TRUE(lazy.hits == eager.hits) << threads << " threads, " << budget << " bytes";
+      EXPECT_TRUE(lazy.statistics.defects.empty());
+      if (budget < std::size_t(1) << 20) EXPECT_GT(lazy.statistics.reexpanded, 0u);
+    }
+}
+
+TEST(World, LazyExpandsOnlyWhatRaysEnter) {
+  const auto model = bumpy_model(shapes::prism(8), 6, 0.1, small_cells);
+  const auto lazy = world_of(model, {});
+  EXPECT_EQ(lazy->statistics().cells_expanded, 0u);
+  SurfaceHit hit;
+  EXPECT_TRUE(lazy->intersect(ray_towards(1), hit));
+  const auto eager = world_of(model, {.mode = ExpandMode::Eager});
+  EXPECT_LT(lazy->statistics().cells_expanded, eager->statistics().cells_expanded / 4);
+  EXPECT_GT(eager->statistics().cells_expanded, 200u);
+}
+
+TEST(World, FlatHitsAtTheSameDistances) {
+  const auto model = bumpy_model(shapes::cube(), 5, 0.2, small_cells);
+  const auto lazy = world_of(model, {}), flat = world_of(model, {.mode = ExpandMode::Flat});
+  for (int i = 0; i < 2000; ++i) {
+    SurfaceHit a, b;
+    EXPECT_EQ(lazy->intersect(ray_towards(Key(i)), a), flat->intersect(ray_towards(Key(i)), b));
+    EXPECT_EQ(a.t, b.t);
+  }
+}
+
+TEST(World, HitIsOnTheRayAndNormalsPointOutwards) {
+  const auto world = world_of(bumpy_model(shapes::cube(), 4, 0.05, small_cells), {});
+  for (int i = 0; i < 1000; ++i) {
+    const Ray ray = ray_towards(Key(i));
+    SurfaceHit hit;
+    if (!world->intersect(ray, hit)) continue;
+    EXPECT_LT(length(ray.origin + ray.direction * hit.t - hit.position), 2e-5f);
+    EXPECT_LT(dot(hit.geometric_normal, ray.direction), 0) << "seen from outside";
+    EXPECT_GT(dot(hit.geometric_normal, hit.shading_normal), 0);
+    EXPECT_LT(max_component(hit.position_error), 1e-4f);
+  }
+}
+
+// From inside a closed model no ray gets out: random rays, and rays aimed exactly at vertices' neighbourhoods on cell borders.
+TEST(World, NoRayEscapesFromInside) {
+  const auto model = bumpy_model(shapes::prism(8), 5, 0.2, small_cells);
+  const auto world = world_of(model, {.budget_bytes = std::size_t(1) << 40});
+  int escaped = 0;
+  for (int i = 0; i < 200000; ++i)
+    escaped += !world->occluded({{0, 1, 0}, direction(Key(i))});
+  EXPECT_EQ(escaped, 0);
+}
+
+TEST(World, TransformedObjectsMatchTransformedRays) {
+  const auto model = bumpy_model(shapes::cube(), 4, 0.2, small_cells);
+  const Affine3d place = Affine3d::translation({3, 1, -2}) * Affine3d::rotation({0, 1, 0}, 0.7) * Affine3d::scaling({1, 2, 0.5});
+  const auto plain = world_of(model, {}), placed = make_world({WorldObject{model, place}, WorldObject{model, Affine3d::translation({100, 0, 0})}}, {});
+  const Affine3f m{Vec3f(place.x), Vec3f(place.y), Vec3f(place.z), Vec3f(place.origin)};
+  int hits = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Ray ray = ray_towards(Key(i));
+    SurfaceHit a, b;
+    const bool found = plain->intersect(ray, a);
+    if (found != placed->intersect({m.point(ray.origin), m.vector(ray.direction)}, b)) continue;  // grazing rays may differ by rounding
+    if (!found) continue;
+    ++hits;
+    EXPECT_NEAR(a.t, b.t, 1e-4f);
+    EXPECT_LT(length(m.point(a.position) - b.position), 1e-3f);
+    EXPECT_EQ(b.object, 0);
+  }
+  EXPECT_GT(hits, 300);
+}
+
+class FailingStep final : public Step {
+ public:
+  std::string name() const override { return "failing"; }
+  int halo_rings(int r) const override { return r; }
+  std::uint32_t max_children(std::uint32_t) const override { return 1; }
+  void apply(const CellMesh&, int, CellMesh&) const override { throw std::runtime_error("on purpose"); }
+  Extent bound(const Extent& e) const override { return e; }
+};
+
+TEST(World, ACellThatFailsIsItsBoxAndReported) {
+  std::vector<std::unique_ptr<Step>> steps;
+  steps.push_back(std::make_unique<FailingStep>());
+  const auto world = world_of(std::make_shared<const Model>("broken", shapes::cube(), std::move(steps)), {});
+  SurfaceHit hit;
+  EXPECT_TRUE(world->intersect({{0, 0, 5}, {0, 0, -1}}, hit));
+  EXPECT_NEAR(hit.t, 4, 1e-3);
+  ASSERT_EQ(world->statistics().defects.size(), 1u);
+  EXPECT_NE(world->statistics().defects[0].find("on purpose"), std::string::npos);
+}
+
+TEST(World, InvalidRaysHitNothingAndAreCounted) {
+  const auto world = world_of(bumpy_model(shapes::cube(), 2, 0), {});
+  SurfaceHit hit;
+  EXPECT_FALSE(world->intersect({{0, 0, NAN}, {0, 0, 1}}, hit));
+  EXPECT_FALSE(world->occluded({{0, 0, 0}, {0, 0, 0}}));
+  EXPECT_EQ(world->statistics().invalid_rays, 2u);
+}
+
+}  // namespace
+}  // namespace meristem

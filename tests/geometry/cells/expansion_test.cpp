@@ -1,0 +1,130 @@
+#include "geometry/cells/expansion.h"
+
+#include "tests/support/test_model.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+namespace meristem {
+namespace {
+
+// All leaves of a model, in the order of its cells.
+void collect_leaves(const Model& model, CellMesh cell, int level, std::vector<Tessellation>& leaves, int& cells) {
+  ++cells;
+  Expansion e = expand(model, std::move(cell), level);
+  if (e.leaf) {
+    leaves.push_back(std::move(*e.leaf));
+    return;
+  }
+  for (std::size_t i = 0; i < e.inner->child_count(); ++i)
+    collect_leaves(model, child_cell(model, *e.inner, i), e.inner->level, leaves, cells);
+}
+
+std::vector<Tessellation> leaves_of(const Model& model, int* cells = nullptr) {
+  std::vector<Tessellation> leaves;
+  int count = 0;
+  collect_leaves(model, root_cell(model), 0, leaves, count);
+  if (cells) *cells = count;
+  return leaves;
+}
+
+using Triple = std::array<float, 3>;
+using Edge = std::pair<Triple, Triple>;
+
+Triple triple(Vec3f p) { return {p.x, p.y, p.z}; }
+
+// All quads of all grids, each from its smallest corner on, sorted: the surface as a set.
+std::vector<std::array<Triple, 4>> quads_of(const std::vector<Tessellation>& leaves) {
+  std::vector<std::array<Triple, 4>> quads;
+  for (const Tessellation& t : leaves)
+    for (const auto& g : t.grids)
+      for (std::uint32_t j = 0; j + 1 < g.height; ++j)
+        for (std::uint32_t i = 0; i + 1 < g.width; ++i) {
+          const std::uint32_t a = g.first_vertex + j * g.width + i;
+          std::array<Triple, 4> q{triple(t.positions[a]), triple(t.positions[a + 1]), triple(t.positions[a + g.width + 1]), triple(t.positions[a + g.width])};
+          std::rotate(q.begin(), std::min_element(q.begin(), q.end()), q.end());
+          quads.push_back(q);
+        }
+  std::sort(quads.begin(), quads.end());
+  return quads;
+}
+
+Mesh creased_cube() {
+  Mesh mesh = shapes::cube();
+  shapes::crease(mesh, 0, 1, 2.3f);
+  shapes::crease(mesh, 1, 3, 10);
+  return mesh;
+}
+
+TEST(Expansion, SurfaceDoesNotDependOnTheCut) {
+  struct { const char* name; Mesh mesh; } cages[] = {
+      {"cube", shapes::cube()}, {"prism", shapes::prism(8)}, {"tetrahedron", shapes::tetrahedron()}, {"open grid", shapes::bumpy_grid(3)}, {"creased", creased_cube()}};
+  for (const auto& cage : cages) {
+    const auto whole = quads_of(leaves_of(*bumpy_model(cage.mesh, 5, 0.3, {1u << 20, 1u << 20})));
+    for (const CellSettings settings : {CellSettings{4, 16}, CellSettings{16, 64}, CellSettings{64, 16}, CellSettings{256, 1024}}) {
+      int cells = 0;
+      const auto cut = quads_of(leaves_of(*bumpy_model(cage.mesh, 5, 0.3, settings), &cells));
+      EXPECT_GT(cells, 1) << cage.name;
+      EXPECT_TRUE(cut == whole) << cage.name << " leaf " << settings.leaf_faces;
+    }
+  }
+}
+
+TEST(Expansion, LeavesOfAClosedModelFitEdgeToEdge) {
+  const auto leaves = leaves_of(*bumpy_model(shapes::prism(8), 4, 0.4, {16, 64}));
+  std::map<Edge, int> edges;  // directed: every edge must be met once in each direction
+  for (const auto& q : quads_of(leaves))
+    for (int k = 0; k < 4; ++k) ++edges[{q[std::size_t(k)], q[std::size_t((k + 1) % 4)]}];
+  for (const auto& [edge, count] : edges) {
+    EXPECT_EQ(count, 1);
+    EXPECT_EQ(edges.count({edge.second, edge.first}), 1u);
+  }
+}
+
+// Checks every cell below one: what it grows lies in the bounds its parent gave it.
+int count_outside(const Model& model, CellMesh cell, int level, const Bounds3f& bounds, int& cells) {
+  ++cells;
+  Expansion e = expand(model, std::move(cell), level);
+  if (e.leaf) return !bounds.contains(e.leaf->bounds());
+  int outside = 0;
+  for (std::size_t i = 0; i < e.inner->child_count(); ++i)
+    outside += count_outside(model, child_cell(model, *e.inner, i), e.inner->level, e.inner->child_bounds[i], cells);
+  return outside;
+}
+
+TEST(Expansion, BoundsContainWhatGrowsInThem) {
+  int cells = 0;
+  for (double amplitude : {0.0, 0.1, 0.5, 1.0})
+    for (const Mesh& base : {shapes::cube(), shapes::prism(8), shapes::tetrahedron(), shapes::bumpy_grid(3), creased_cube(), shapes::prism(3)})
+      for (const CellSettings settings : {CellSettings{4, 16}, CellSettings{16, 64}}) {
+        const auto model = bumpy_model(base, 5, amplitude, settings);
+        EXPECT_EQ(count_outside(*model, root_cell(*model), 0, model_bounds(*model), cells), 0);
+      }
+  EXPECT_GT(cells, 10000);
+}
+
+TEST(Expansion, BoundsAreNotLoose) {
+  // Without displacement the bounds are the hull of the control points: at most a cell's width away on either side.
+  const auto model = bumpy_model(shapes::cube(), 6, 0, {64, 1024});
+  Expansion e = expand(*model, root_cell(*model), 0);
+  ASSERT_TRUE(e.inner);
+  for (std::size_t i = 0; i < e.inner->child_count(); ++i) {
+    const Expansion child = expand(*model, child_cell(*model, *e.inner, i), e.inner->level);
+    ASSERT_TRUE(child.leaf);
+    EXPECT_LT(e.inner->child_bounds[i].diagonal(), 4 * child.leaf->bounds().diagonal());
+  }
+}
+
+TEST(Expansion, OneLeafIsGridsWithUnitNormals) {
+  const auto leaves = leaves_of(*bumpy_model(shapes::prism(8), 3, 0, {1u << 20, 1u << 20}));
+  ASSERT_EQ(leaves.size(), 1u);
+  EXPECT_EQ(leaves[0].grids.size(), 8u + 2 * 8);  // eight quads, and two octagons of eight quads each
+  EXPECT_EQ(leaves[0].face_count, (8u + 4) * 64);  // quads give 4^3, an octagon gives 8 * 4^2
+  for (Vec3f n : leaves[0].normals) EXPECT_NEAR(length(n), 1, 1e-5);
+}
+
+}  // namespace
+}  // namespace meristem

@@ -1,0 +1,248 @@
+// Light transport in scenes with known answers, over analytic shapes that need no tracing library.
+#include "renderer/materials/bsdf.h"
+#include "renderer/scene/ray_origin.h"
+#include "renderer/scene/scene.h"
+#include "renderer/scene/warps.h"
+#include "tests/support/component.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+namespace meristem {
+void register_ambient_occlusion(IntegratorRegistry& r);
+void register_constant(LightRegistry& r);
+void register_normals(IntegratorRegistry& r);
+void register_path(IntegratorRegistry& r);
+void register_rectangle(LightRegistry& r);
+void register_sobol(SamplerRegistry& r);
+void register_sphere(LightRegistry& r);
+
+namespace {
+
+// Spheres and level squares.
+struct Analytic : Intersector {
+  struct Ball {
+    Vec3d center;
+    double radius;
+    FaceOrigin origin;
+  };
+  struct Floor {
+    double y, half_width;
+    FaceOrigin origin;
+  };
+  std::vector<Ball> balls;
+  std::vector<Floor> floors;
+  mutable int quiescent_calls = 0;
+
+  bool intersect(const Ray& ray, SurfaceHit& hit) const override {
+    hit = {};
+    const Vec3d o(ray.origin), d(ray.direction);
+    double nearest = ray.t_max;
+    auto meet = [&](double t, Vec3d normal, const FaceOrigin& origin) {
+      if (!(t > ray.t_min && t < nearest)) return;
+      nearest = t;
+      hit.t = float(t);
+      hit.position = Vec3f(o + d * t);
+      hit.position_error = abs(hit.position) * 0x1p-21f + Vec3f(0x1p-21f);
+      hit.geometric_normal = hit.shading_normal = Vec3f(normal);
+      hit.origin = &origin;
+    };
+    for (const Ball& b : balls) {
+      const Vec3d v = o - b.center;
+      const double middle = -dot(v, d), reach2 = b.radius * b.radius - length_squared(v + d * middle);
+      if (reach2 < 0) continue;
+      for (double t : {middle - std::sqrt(reach2), middle + std::sqrt(reach2)}) meet(t, normalize(v + d * t), b.origin);
+    }
+    for (const Floor& f : floors) {
+      const double t = (f.y - o.y) / d.y;
+      const Vec3d p = o + d * t;
+      if (std::abs(p.x) < f.half_width && std::abs(p.z) < f.half_width) meet(t, {0, 1, 0}, f.origin);
+    }
+    return hit.valid();
+  }
+  bool occluded(const Ray& ray) const override {
+    SurfaceHit hit;
+    return intersect(ray, hit);
+  }
+  void quiescent() const override { ++quiescent_calls; }
+  Bounds3f bounds() const override { return {{-5, -5, -5}, {5, 5, 5}}; }
+};
+
+struct Matte : Material {
+  Spectrum albedo{0.5f, 0.5f, 0.5f};
+  float specular = 0, opacity = 1;
+  Spectrum emission;
+  void evaluate(const ShadingPoint& point, Bsdf& bsdf) const override {
+    bsdf.set_frame(point);
+    bsdf.diffuse = albedo;
+    bsdf.f0 = specular;
+    bsdf.opacity = opacity;
+    bsdf.emission = emission;
+  }
+  bool may_be_transparent() const override { return opacity < 1; }
+};
+
+struct Transport : testing::Test {
+  Transport() {
+    scene.intersector.reset(world);
+    scene.sampler = make<Sampler>(register_sobol);
+    scene.integrator = make<Integrator>(register_path);
+    scene.settings.max_depth = 1000;
+    add_material();
+  }
+  Matte& add_material() {
+    scene.materials.push_back(std::make_unique<Matte>());
+    return static_cast<Matte&>(*scene.materials.back());
+  }
+  void add_ball(Vec3d center, double radius, int material = 0) { world->balls.push_back({center, radius, {1, material}}); }
+  void add_floor(double y, int material = 0, double half_width = 1e3) {
+    world->floors.push_back({y, half_width, {2, material}});
+  }
+  // The mean over `samples` paths of one ray.
+  Spectrum radiance(Vec3f origin, Vec3f direction, int samples = 4096) {
+    Ray ray;
+    ray.origin = origin;
+    ray.direction = normalize(direction);
+    Vec3d sum;
+    for (int i = 0; i < samples; ++i) {
+      scene.sampler->start(0, 0, i, 1);
+      const Spectrum value = scene.integrator->radiance(ray, scene, *scene.sampler, counts);
+      EXPECT_TRUE(is_finite(value));
+      sum += Vec3d(value);
+    }
+    return Spectrum(sum / double(samples));
+  }
+
+  Analytic* const world = new Analytic;  // owned by the scene
+  Scene scene;
+  RayCounts counts;
+};
+
+TEST_F(Transport, WhiteBallInWhiteSurroundingsIsInvisible) {
+  Matte& white = static_cast<Matte&>(*scene.materials[0]);
+  white.albedo = Spectrum(1.f);
+  white.specular = 0.04f;
+  add_ball({0, 0, 0}, 1);
+  scene.lights.push_back(make<Light>(register_constant));
+  for (float x : {0.f, 0.5f, 0.95f}) EXPECT_NEAR(radiance({x, 0, 5}, {0, 0, -1}).x, 1, 0.02) << x;
+}
+
+// Inside a closed ball that glows with 1 and reflects 0.5, radiance is 1 / (1 - 0.5) everywhere.
+TEST_F(Transport, GlowingBallFromInside) {
+  static_cast<Matte&>(*scene.materials[0]).emission = Spectrum(1.f);
+  add_ball({0, 0, 0}, 2);
+  EXPECT_NEAR(radiance({0.3f, 0.1f, 0.2f}, {1, 2, 3}).x, 2, 0.05);
+  scene.settings.max_depth = 1;
+  EXPECT_NEAR(radiance({0.3f, 0.1f, 0.2f}, {1, 2, 3}).x, 1.5, 1e-4);
+  scene.settings.max_depth = 0;
+  EXPECT_EQ(radiance({0.3f, 0.1f, 0.2f}, {1, 2, 3}, 16).x, 1);
+}
+
+// A lamp in the middle of a closed white-washed ball of radius R: irradiance is even, E = pi L (r/R)^2, and all bounces
+// together give albedo / (1 - albedo) * E / pi.
+TEST_F(Transport, LampInsideAnIntegratingSphere) {
+  add_ball({0, 0, 0}, 2);
+  scene.lights.push_back(make<Light>(register_sphere, R"({ "center": [0, 0, 0], "radius": 0.5, "intensity": 16 })"));
+  EXPECT_NEAR(radiance({1, 0, 0}, {1, 0.2f, 0.1f}, 16384).x, 1, 0.02);
+}
+
+// Direct light on a floor below the corner of a lamp; see light_test.cpp for the closed form.
+TEST_F(Transport, DirectLightOfARectangle) {
+  add_floor(0);
+  scene.settings.max_depth = 1;
+  scene.lights.push_back(make<Light>(register_rectangle, R"({ "from": [1, 1.5, 0.5], "to": [1, 0, 0.5], "up": [0, 0, 1],
+                                                             "width": 2, "height": 1, "intensity": 1 })"));
+  const double a = 2, b = 1, d = 1.5, ra = std::hypot(a, d), rb = std::hypot(b, d);
+  const double irradiance = 0.5 * (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb));
+  EXPECT_NEAR(radiance({0, 1, -2}, {0, -1, 2}).x, 0.5 * irradiance / pi, 3e-4);
+}
+
+TEST_F(Transport, CameraSeesLampsAndBothStrategiesAddUp) {
+  add_floor(0);
+  scene.lights.push_back(make<Light>(register_constant, R"({ "intensity": 0.25 })"));
+  scene.lights.push_back(make<Light>(register_sphere, R"({ "center": [0, 2, 0], "radius": 1, "intensity": 3 })"));
+  EXPECT_FLOAT_EQ(radiance({0, 2, 5}, {0, 0, -1}, 16).x, 3.25f);  // lamps hide nothing
+  scene.settings.max_depth = 1;
+  const double expected = 0.5 * (0.25 + 3 * 0.25);  // sphere: L (r/d)^2 with d = 2
+  EXPECT_NEAR(radiance({0, 1, -2}, {0, -1, 2}).x, expected, 0.01);
+}
+
+TEST_F(Transport, BlockersCastShadows) {
+  add_floor(0);
+  add_ball({0, 1, 0}, 0.5);
+  scene.settings.max_depth = 1;
+  scene.lights.push_back(make<Light>(register_sphere, R"({ "center": [0, 4, 0], "radius": 0.1 })"));
+  EXPECT_EQ(radiance({0, 0.2f, -2}, {0, -0.1f, 1}, 64).x, 0);
+  EXPECT_GT(radiance({3, 0.2f, -2}, {0, -0.1f, 1}, 64).x, 0);
+}
+
+// Two veils of opacity 0.4 between floor and lamp, and the camera behind them as well: each passes 0.6 of the light.
+TEST_F(Transport, OpacityDimsCameraAndShadowRaysAlike) {
+  add_floor(0);
+  Matte& veil = add_material();
+  veil.albedo = {};
+  veil.opacity = 0.4f;
+  add_floor(1, 1);
+  add_floor(1.5, 1);
+  scene.settings.max_depth = 1;
+  scene.lights.push_back(make<Light>(register_sphere, R"({ "center": [0, 4, 0], "radius": 1, "intensity": 16 })"));
+  const double direct = 0.5 * 16.0 / 16;
+  EXPECT_NEAR(radiance({0, 3, -3}, {0, -1, 1}, 16384).x, direct * std::pow(0.6, 4), 0.01);
+}
+
+TEST_F(Transport, RouletteChangesNoiseAlone) {
+  add_ball({0, 0, 0}, 2);
+  static_cast<Matte&>(*scene.materials[0]).emission = Spectrum(1.f);
+  scene.integrator = make<Integrator>(register_path, R"({ "roulette_depth": 1 })");
+  EXPECT_NEAR(radiance({0, 0, 0}, {1, 2, 3}, 16384).x, 2, 0.05);
+}
+
+TEST_F(Transport, CountsRaysAndEndsEachPathQuiescent) {
+  add_floor(0);
+  scene.settings.max_depth = 1;
+  scene.lights.push_back(make<Light>(register_constant));
+  radiance({0, 1, 0}, {0, -1, 0.1f}, 64);
+  EXPECT_EQ(world->quiescent_calls, 64);
+  EXPECT_EQ(counts.camera, 64u);
+  EXPECT_LE(counts.bounce, 64u);
+  EXPECT_NEAR(double(counts.shadow), 32, 2);  // half of the light samples lie below the floor
+}
+
+TEST_F(Transport, EmptySceneShowsItsEnvironment) {
+  scene.lights.push_back(make<Light>(register_constant, R"({ "color": [1, 2, 3] })"));
+  EXPECT_EQ(radiance({0, 0, 0}, {1, 1, 1}, 4), (Spectrum{1, 2, 3}));
+}
+
+TEST_F(Transport, AmbientOcclusionUnderARoof) {
+  add_floor(0);
+  scene.integrator = make<Integrator>(register_ambient_occlusion);
+  EXPECT_EQ(radiance({0, 1, 0}, {0, -1, 0.1f}, 64).x, 1);
+  add_ball({0, 2, 0}, 1);  // fills (r/d)^2 of the cosine-weighted view
+  EXPECT_NEAR(radiance({0, 0.5f, 0}, {0, -1, 0}).x, 0.75, 0.01);
+  scene.integrator = make<Integrator>(register_ambient_occlusion, R"({ "distance": 0.5 })");
+  EXPECT_EQ(radiance({0, 0.5f, 0}, {0, -1, 0}, 64).x, 1);
+}
+
+TEST_F(Transport, NormalsAsColours) {
+  add_floor(0);
+  scene.integrator = make<Integrator>(register_normals);
+  EXPECT_EQ(radiance({0, 1, 0}, {0, -1, 0.1f}, 1), (Spectrum{0.5f, 1, 0.5f}));
+  EXPECT_EQ(radiance({0, -1, 0}, {0, 1, 0.1f}, 1), (Spectrum{0.25f, 0.5f, 0.25f}));
+}
+
+TEST(RayOrigin, LiesBeyondTheErrorOnTheSideOfTheRay) {
+  SurfaceHit hit;
+  hit.position = {100, 200, -300};
+  hit.position_error = {1e-4f, 2e-4f, 3e-4f};
+  hit.geometric_normal = normalize(Vec3f{1, -2, 0.5f});
+  for (float side : {1.f, -1.f}) {
+    const Vec3f d = hit.geometric_normal * side;
+    const Vec3f moved = ray_origin(hit, d) - hit.position;
+    EXPECT_GE(dot(moved, d), dot(abs(hit.geometric_normal), hit.position_error) * 0.9f);
+    EXPECT_LT(length(moved), 1e-3f);
+  }
+}
+
+}  // namespace
+}  // namespace meristem

@@ -1,0 +1,259 @@
+// Physics of the Bsdf: energy, reciprocity, densities; and that no input makes it other than finite.
+#include "renderer/materials/bsdf.h"
+
+#include "renderer/materials/ggx.h"
+
+#include <gtest/gtest.h>
+
+namespace meristem {
+namespace {
+
+Vec2f spread_pair(int i) {
+  const double x = 0.5 + 0.7548776662466927 * i, y = 0.5 + 0.5698402909980532 * i;
+  return {float(x - std::floor(x)) * 0.999999f, float(y - std::floor(y)) * 0.999999f};
+}
+float random_number(int i, int what) { return uniform_float(hash_keys(Key(i), Key(what))); }
+
+Vec3f from_up(float cosine, float turn = 0.4f) {
+  const float s = std::sqrt(1 - cosine * cosine);
+  return {s * std::cos(turn), cosine, s * std::sin(turn)};
+}
+
+// For light that leaves towards wo from a surface whose normals are as given.
+Bsdf framed(Bsdf bsdf, Vec3f wo, Vec3f shading = {0, 1, 0}) {
+  ShadingPoint point;
+  point.hit.geometric_normal = {0, 1, 0};
+  point.hit.shading_normal = shading;
+  point.wo = wo;
+  bsdf.set_frame(point);
+  return bsdf;
+}
+
+struct Case {
+  const char* name;
+  Bsdf bsdf;
+};
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+Bsdf plastic(float alpha, float f0 = 0.04f) {
+  Bsdf b;
+  b.diffuse = Spectrum(1.f);
+  b.alpha = alpha;
+  b.f0 = f0;
+  return b;
+}
+Bsdf metal(float alpha, Spectrum f0, Spectrum f82 = Spectrum(1.f)) {
+  Bsdf b;
+  b.metalness = 1;
+  b.alpha = alpha;
+  b.metal_f0 = f0;
+  b.metal_f82 = f82;
+  return b;
+}
+Bsdf leaf() {
+  Bsdf b;
+  b.diffuse = {0.1f, 0.2f, 0.05f};
+  b.transmitted = {0.2f, 0.5f, 0.1f};
+  b.alpha = 0.25f;
+  return b;
+}
+Bsdf lambert(float roughness) {
+  Bsdf b;
+  b.diffuse = Spectrum(1.f);
+  b.f0 = 0;
+  b.diffuse_roughness = roughness;
+  return b;
+}
+Bsdf mixture() {
+  Bsdf b = metal(0.2f, {0.9f, 0.6f, 0.3f}, {0.8f, 0.9f, 1});
+  b.metalness = 0.4f;
+  b.diffuse = {0.6f, 0.5f, 0.1f};
+  b.diffuse_roughness = 0.7f;
+  b.dielectric_tint = {1, 0.5f, 0.8f};
+  return b;
+}
+
+class AnyBsdf : public testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(, AnyBsdf,
+                         testing::Values(Case{"lambert", lambert(0)}, Case{"rough_diffuse", lambert(1)},
+                                         Case{"plastic", plastic(0.09f)}, Case{"dull_plastic", plastic(0.8f)},
+                                         Case{"dense_glass", plastic(0.3f, 0.3f)}, Case{"gold", metal(0.2f, {1, 0.8f, 0.4f})},
+                                         Case{"dull_white_metal", metal(1, Spectrum(1.f))},
+                                         Case{"tinted_metal", metal(0.4f, {0.6f, 0.5f, 0.5f}, {0.3f, 0.6f, 1})},
+                                         Case{"leaf", leaf()}, Case{"mixture", mixture()}),
+                         [](const auto& test) { return test.param.name; });
+
+constexpr float cosines[] = {0.02f, 0.2f, 0.5f, 0.8f, 1};
+
+// The albedo by importance sampling.
+Spectrum albedo(const Bsdf& bsdf, Vec3f wo, int count = 20000) {
+  Vec3d sum;
+  for (int i = 0; i < count; ++i) {
+    const BsdfSample s = bsdf.sample(wo, spread_pair(i), random_number(i, 3));
+    if (s.pdf > 0) sum += Vec3d(s.weight);
+  }
+  return Spectrum(sum / double(count));
+}
+
+TEST_P(AnyBsdf, GivesBackNoMoreLightThanItGets) {
+  for (float c : cosines) {
+    const Vec3f wo = from_up(c);
+    EXPECT_LE(max_component(albedo(framed(GetParam().bsdf, wo), wo)), 1.015f) << "cosine " << c;
+  }
+}
+
+TEST_P(AnyBsdf, IsReciprocal) {
+  for (int i = 0; i < 200; ++i) {
+    const Vec3f wo = from_up(0.01f + 0.99f * random_number(i, 0), 6 * random_number(i, 1));
+    Vec3f wi = from_up(0.01f + 0.99f * random_number(i, 2), 6 * random_number(i, 3));
+    if (i % 2) wi.y = -wi.y;
+    const Spectrum there = framed(GetParam().bsdf, wo).evaluate(wo, wi) / std::abs(wi.y);
+    const Spectrum back = framed(GetParam().bsdf, wi).evaluate(wi, wo) / std::abs(wo.y);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(there[k], back[k], 2e-4f * (1e-3f + there[k]));
+  }
+}
+
+// pdf over the sphere and how often samples land: per cell of (cosine, turn), the integral of pdf() is the share of
+// samples.
+TEST_P(AnyBsdf, SamplesFollowThePdf) {
+  const Vec3f wo = from_up(0.6f);
+  const Bsdf bsdf = framed(GetParam().bsdf, wo);
+  constexpr int rings = 16, turns = 8, fine = 24, count = 100000;
+  std::vector<double> expected(rings * turns), found(rings * turns);
+  double integral = 0;
+  for (int r = 0; r < rings * fine; ++r)
+    for (int t = 0; t < turns * fine; ++t) {
+      const float c = 2 * (float(r) + 0.5f) / (rings * fine) - 1;
+      const double p = double(bsdf.pdf(wo, from_up(c, 2 * pi_f * (float(t) + 0.5f) / (turns * fine))));
+      const double share = p * 4 * pi / (rings * turns * fine * fine);
+      expected[std::size_t(r / fine * turns + t / fine)] += share;
+      integral += share;
+    }
+  int absorbed = 0;
+  for (int i = 0; i < count; ++i) {
+    const BsdfSample s = bsdf.sample(wo, {random_number(i, 0), random_number(i, 1)}, random_number(i, 2));
+    if (!(s.pdf > 0)) {
+      ++absorbed;
+      continue;
+    }
+    const double turn = std::atan2(double(s.wi.z), double(s.wi.x)) / (2 * pi);
+    const int r = std::min(int((double(s.wi.y) + 1) / 2 * rings), rings - 1);
+    const int t = std::min(int((turn - std::floor(turn)) * turns), turns - 1);
+    found[std::size_t(r * turns + t)] += 1.0 / count;
+  }
+  EXPECT_NEAR(integral, 1 - double(absorbed) / count, 0.01);
+  double chi2 = 0;
+  int cells = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (expected[i] * count < 5) {
+      EXPECT_LT(found[i] * count, 30);
+      continue;
+    }
+    // the quadrature's own error, some 0.5 %, is added to the variance
+    const double variance = expected[i] / count + std::pow(0.005 * expected[i], 2);
+    chi2 += std::pow(found[i] - expected[i], 2) / variance;
+    ++cells;
+  }
+  EXPECT_LT(chi2, cells + 5 * std::sqrt(2.0 * cells));
+}
+
+TEST_P(AnyBsdf, WeightIsValueOverPdf) {
+  const Vec3f wo = from_up(0.35f);
+  const Bsdf bsdf = framed(GetParam().bsdf, wo);
+  for (int i = 0; i < 500; ++i) {
+    const BsdfSample s = bsdf.sample(wo, spread_pair(i), random_number(i, 3));
+    if (!(s.pdf > 0)) continue;
+    EXPECT_FLOAT_EQ(s.pdf, bsdf.pdf(wo, s.wi));
+    EXPECT_LT(max_component(abs(s.weight * s.pdf - bsdf.evaluate(wo, s.wi))), 1e-4f * (1 + s.pdf));
+    EXPECT_EQ(s.is_transmission, s.wi.y < 0);
+  }
+}
+
+TEST_P(AnyBsdf, IsFiniteForEveryDirectionAndShadingNormal) {
+  for (int i = 0; i < 5000; ++i) {
+    auto direction = [&](int what) {
+      const Vec3f v{random_number(i, what) - 0.5f, (random_number(i, what + 1) - 0.5f) * std::pow(10.f, -float(i % 12)),
+                    random_number(i, what + 2) - 0.5f};
+      return normalize(v);
+    };
+    const Vec3f wo = direction(0), wi = direction(3);
+    Vec3f shading = normalize(direction(6) + Vec3f{0, 0.2f, 0});
+    if (i % 7 == 0) shading = {};
+    if (i % 7 == 1) shading = {0, -1, 0};
+    const Bsdf bsdf = framed(GetParam().bsdf, wo, shading);
+    const Spectrum f = bsdf.evaluate(wo, wi);
+    EXPECT_TRUE(is_finite(f) && f.x >= 0 && f.y >= 0 && f.z >= 0);
+    EXPECT_TRUE(std::isfinite(bsdf.pdf(wo, wi)));
+    const BsdfSample s = bsdf.sample(wo, {random_number(i, 9), random_number(i, 10)}, random_number(i, 11));
+    if (s.pdf > 0) {
+      EXPECT_TRUE(is_finite(s.weight) && is_finite(s.wi));
+      EXPECT_EQ(s.is_transmission, (s.wi.y > 0) != (wo.y >= 0));  // no light leaks through
+    }
+  }
+}
+
+class White : public testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(, White,
+                         testing::Values(Case{"lambert", lambert(0)}, Case{"half_rough", lambert(0.5f)},
+                                         Case{"rough", lambert(1)}, Case{"plastic", plastic(0.09f)},
+                                         Case{"mirrorlike_plastic", plastic(0.002f)}, Case{"dull_plastic", plastic(1)},
+                                         Case{"dense", plastic(0.3f, 0.3f)}, Case{"metal", metal(0.1f, Spectrum(1.f))},
+                                         Case{"dull_metal", metal(1, Spectrum(1.f))}),
+                         [](const auto& test) { return test.param.name; });
+
+TEST_P(White, FurnaceGivesAllLightBack) {
+  for (float c : cosines) {
+    const Vec3f wo = from_up(c);
+    EXPECT_NEAR(albedo(framed(GetParam().bsdf, wo), wo).y, 1, 0.015) << "cosine " << c;
+  }
+}
+
+TEST(Bsdf, LambertIsAlbedoOverPi) {
+  Bsdf b = lambert(0);
+  b.diffuse = {0.2f, 0.4f, 0.6f};
+  const Vec3f wo = from_up(0.7f), wi = from_up(0.3f, 2);
+  EXPECT_LT(length(framed(b, wo).evaluate(wo, wi) - b.diffuse * (0.3f / pi_f)), 1e-6f);
+}
+
+TEST(Bsdf, BothSidesAreAlike) {
+  const Vec3f wo = from_up(0.7f), wi = from_up(0.3f, 2);
+  EXPECT_EQ(framed(mixture(), wo).evaluate(wo, wi).x, framed(mixture(), -wo).evaluate(-wo, -wi).x);
+}
+
+TEST(Bsdf, ShadingNormalsFadeOutAtTheGeometricHorizon) {
+  const Vec3f shading = normalize(Vec3f{1, 1, 0}), wo = from_up(0.9f, 0);
+  const Bsdf bsdf = framed(lambert(0), wo, shading);
+  EXPECT_LT(bsdf.evaluate(wo, normalize(Vec3f{1, 0.001f, 0})).x, 0.005f);
+  EXPECT_EQ(bsdf.evaluate(wo, normalize(Vec3f{1, -0.001f, 0})).x, 0);
+  EXPECT_NEAR(bsdf.evaluate(wo, {0, 1, 0}).x, std::sqrt(0.5f) / pi_f, 1e-4f);
+}
+
+TEST(Ggx, DistributionIsNormalised) {
+  for (float alpha : {0.05f, 0.3f, 1.f}) {
+    double sum = 0;
+    constexpr int steps = 100000;
+    for (int i = 0; i < steps; ++i) {
+      const double angle = (i + 0.5) / steps * pi / 2;
+      const Vec3f h(Vec3d{std::sin(angle), 0, std::cos(angle)});
+      sum += double(ggx::distribution(h, alpha)) * std::cos(angle) * std::sin(angle) * 2 * pi * (pi / 2 / steps);
+    }
+    EXPECT_NEAR(sum, 1, 1e-3);
+  }
+}
+
+// Normal incidence ((n-1)/(n+1))^2; Brewster's angle, where only the perpendicular half is left; grazing 1.
+TEST(Ggx, FresnelAtKnownAngles) {
+  EXPECT_NEAR(ggx::fresnel_dielectric(1, 1.5f), 0.04f, 1e-6f);
+  EXPECT_NEAR(ggx::fresnel_dielectric(0, 1.5f), 1, 1e-6f);
+  const double n = 1.5, perpendicular = (n * n - 1) / (n * n + 1);
+  EXPECT_NEAR(ggx::fresnel_dielectric(float(std::cos(std::atan(n))), 1.5f), 0.5 * perpendicular * perpendicular, 1e-5);
+  EXPECT_NEAR(ggx::eta_of(ggx::f0_of(1.33f)), 1.33f, 1e-5f);
+}
+
+TEST(Ggx, SmoothAlbedoIsTheFresnelTerm) {
+  for (float c : {0.1f, 0.3f, 0.7f, 1.f})
+    EXPECT_NEAR(ggx::dielectric_albedo(c, ggx::min_alpha, 0.04f), ggx::fresnel_dielectric(c, 1.5f), 0.005f);
+}
+
+}  // namespace
+}  // namespace meristem

@@ -1,0 +1,90 @@
+#include "renderer/materials/bsdf.h"
+#include "renderer/materials/ggx.h"
+#include "renderer/materials/material_symbols.h"
+#include "tests/support/component.h"
+
+#include <gtest/gtest.h>
+
+namespace meristem {
+void register_openpbr(MaterialRegistry& r);
+
+namespace {
+
+struct OpenPbrTest : testing::Test {
+  OpenPbrTest() {
+    point.hit.geometric_normal = point.hit.shading_normal = {0, 1, 0};
+    point.hit.u = 0.25f;
+    point.hit.v = 0.75f;
+    point.hit.position = {1, 2, 3};
+    point.wo = {0, 1, 0};
+    origin.key = 17;
+    origin.parameters = {0.5f, 0.1f};
+    point.hit.origin = &origin;
+  }
+  Bsdf bsdf(const std::string& text) {
+    Bsdf result;
+    make<Material>(register_openpbr, text)->evaluate(point, result);
+    return result;
+  }
+
+  FaceOrigin origin;
+  ShadingPoint point;
+};
+
+TEST_F(OpenPbrTest, DefaultsAreThoseOfTheStandard) {
+  const Bsdf b = bsdf("{}");
+  EXPECT_EQ(b.diffuse, Spectrum(0.8f));
+  EXPECT_NEAR(b.f0, 0.04f, 1e-6f);
+  EXPECT_NEAR(b.alpha, 0.09f, 1e-6f);
+  EXPECT_EQ(b.opacity, 1);
+  EXPECT_EQ(b.metalness, 0);
+  EXPECT_EQ(b.emission, Spectrum{});
+  EXPECT_EQ(b.transmitted, Spectrum{});
+}
+
+TEST_F(OpenPbrTest, ParametersAreExpressionsOfTheHit) {
+  EXPECT_EQ(bsdf(R"({ "base_color": "[u, v, p0]" })").diffuse, (Spectrum{0.25f, 0.75f, 0.5f}));
+  EXPECT_EQ(bsdf(R"({ "base_color": "0.1*P" })").diffuse, (Spectrum{0.1f, 0.2f, 0.3f}));
+  EXPECT_FLOAT_EQ(bsdf(R"json({ "base_metalness": "-dot(I, N)" })json").metalness, 1);
+  EXPECT_FLOAT_EQ(bsdf(R"({ "specular_roughness": "p1" })").alpha, 0.01f);
+  const float key = bsdf(R"({ "geometry_opacity": "key" })").opacity;
+  EXPECT_TRUE(key > 0 && key < 1);
+  origin.key = 18;
+  EXPECT_NE(bsdf(R"({ "geometry_opacity": "key" })").opacity, key);
+}
+
+TEST_F(OpenPbrTest, FacesWithoutOriginHaveZeroParameters) {
+  point.hit.origin = nullptr;
+  EXPECT_EQ(bsdf(R"({ "base_color": "[p0, 0.5, p1]" })").diffuse, (Spectrum{0, 0.5f, 0}));
+}
+
+TEST_F(OpenPbrTest, ValuesOutOfRangeAreClamped) {
+  EXPECT_EQ(bsdf(R"({ "base_color": "[-1, 0.5, 7]" })").diffuse, (Spectrum{0, 0.5f, 1}));
+  EXPECT_EQ(bsdf(R"({ "specular_roughness": "u-1" })").alpha, ggx::min_alpha);
+  EXPECT_EQ(bsdf(R"({ "specular_ior": "100*u" })").f0, ggx::max_f0);
+}
+
+TEST_F(OpenPbrTest, LeavesTransmitOnlyWhenThinWalled) {
+  const std::string leaf = R"("base_color": 0.2, "subsurface_weight": 0.5, "subsurface_color": [0.2, 0.8, 0.1])";
+  const Bsdf solid = bsdf("{" + leaf + "}");
+  EXPECT_EQ(solid.transmitted, Spectrum{});
+  EXPECT_FLOAT_EQ(solid.diffuse.y, 0.5f * 0.2f + 0.5f * 0.8f);
+  const Bsdf thin = bsdf("{" + leaf + R"(, "geometry_thin_walled": true })");
+  EXPECT_FLOAT_EQ(thin.transmitted.y, 0.25f * 0.8f);
+  EXPECT_FLOAT_EQ(thin.diffuse.y, 0.5f * 0.2f + 0.25f * 0.8f);
+  const Bsdf forward = bsdf("{" + leaf + R"(, "geometry_thin_walled": true, "subsurface_scatter_anisotropy": 1 })");
+  EXPECT_FLOAT_EQ(forward.transmitted.y, 0.5f * 0.8f);
+}
+
+TEST_F(OpenPbrTest, KnowsWhetherItMayBeTransparent) {
+  EXPECT_FALSE(make<Material>(register_openpbr)->may_be_transparent());
+  EXPECT_TRUE(make<Material>(register_openpbr, R"({ "geometry_opacity": 0.5 })")->may_be_transparent());
+  EXPECT_TRUE(make<Material>(register_openpbr, R"({ "geometry_opacity": "u < 0.5 ? 1 : 0" })")->may_be_transparent());
+}
+
+TEST_F(OpenPbrTest, EmissionIsARadiance) {
+  EXPECT_EQ(bsdf(R"({ "emission_luminance": 3, "emission_color": [1, 0.5, 0] })").emission, (Spectrum{3, 1.5f, 0}));
+}
+
+}  // namespace
+}  // namespace meristem
