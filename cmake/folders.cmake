@@ -6,10 +6,10 @@ function(meristem_folders result root)
   set(${result} ${folders} PARENT_SCOPE)
 endfunction()
 
-# meristem_layer(NAME ABOVE layer USES x y ...): the library meristem_NAME from the folders of NAME/, upon the library of
-# the layer below and other people's libraries. Each folder is an object library (meristem_NAME_a, meristem_NAME_b_c) that
-# knows the headers below it but not the libraries, so that it builds alone. New files and folders are picked up by the
-# next build.
+# meristem_layer(NAME ABOVE layer USES x y ...): the library meristem_NAME from the folders of NAME/, upon the library
+# of the layer below and other people's libraries. Each folder is an object library (meristem_NAME_a, meristem_NAME_b_c)
+# that knows the headers below it but not our libraries, so that it builds alone. New files and folders are picked up by
+# the next build.
 function(meristem_layer layer)
   cmake_parse_arguments(ARG "" "ABOVE" "USES" ${ARGN})
   add_library(meristem_${layer}_uses INTERFACE)
@@ -43,7 +43,7 @@ function(meristem_tests layer)
     target_link_libraries(${target} PRIVATE meristem_${layer} GTest::gtest_main)
     target_compile_definitions(${target} PRIVATE
       MERISTEM_SOURCE_DIR="${CMAKE_SOURCE_DIR}" MERISTEM_BINARY_DIR="${CMAKE_BINARY_DIR}")
-    gtest_discover_tests(${target} TEST_PREFIX ${layer}/${folder}/ DISCOVERY_TIMEOUT 60
+    gtest_discover_tests(${target} TEST_PREFIX ${layer}/${folder}/ DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES
       PROPERTIES LABELS ${layer} TIMEOUT 120)
   endforeach()
 endfunction()
@@ -54,13 +54,14 @@ function(meristem_check name)
   set_tests_properties(checks/${name} PROPERTIES LABELS checks TIMEOUT 120)
 endfunction()
 
-# meristem_benches(): the program bench_NAME from each tests/bench/NAME.cpp. They are built with everything else, so
-# that they stay in step with the code, and run by `./dev bench`.
+# meristem_benches(): the program bench_NAME from each tests/bench/NAME_bench.cpp. They are built with everything else,
+# so that they stay in step with the code, and run by `./dev bench`.
 function(meristem_benches)
   find_package(benchmark REQUIRED)
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/bench/*.cpp)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tests/bench/*_bench.cpp)
   foreach(source ${sources})
     get_filename_component(name ${source} NAME_WE)
+    string(REGEX REPLACE "_bench$" "" name ${name})
     add_executable(bench_${name} ${source})
     target_link_libraries(bench_${name} PRIVATE meristem_renderer benchmark::benchmark_main)
     set_target_properties(bench_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests/bench)

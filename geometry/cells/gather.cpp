@@ -2,6 +2,7 @@
 
 #include "geometry/base/check.h"
 #include "geometry/cells/extract.h"
+#include "geometry/cells/probe.h"
 
 #include <algorithm>
 #include <unordered_map>
@@ -85,6 +86,7 @@ class ChildMaker {
       }
     }
     close_run();
+    find_bounds();
   }
 
  private:
@@ -120,13 +122,28 @@ class ChildMaker {
 
   void close_run() {
     if (run_.empty()) return;
-    const Extent extent = region_extent(model_, mesh_, *inner_.adjacency, run_, inner_.level);
     inner_.child_faces.insert(inner_.child_faces.end(), run_.begin(), run_.end());
     inner_.child_starts.push_back(std::uint32_t(inner_.child_faces.size()));
-    inner_.child_bounds.push_back(round_outwards(final_bounds(model_, extent, inner_.level)));
     inner_.child_keys.push_back(mesh_.face_keys[run_.front()]);
     run_.clear();
     run_faces_ = 0;
+  }
+
+  // Where only refinements follow, by looking ahead; while something grows, by analysis.
+  void find_bounds() {
+    const std::size_t count = inner_.child_keys.size();
+    if (model_.trailing_refinements(inner_.level) == model_.levels() - inner_.level) {
+      std::vector<std::uint32_t> group_of(inner_.cell.owned_faces);
+      for (std::size_t child = 0; child < count; ++child)
+        for (std::uint32_t f : inner_.faces_of_child(child)) group_of[f] = std::uint32_t(child);
+      for (const Bounds3d& b : probed_bounds(model_, inner_.cell, inner_.level, group_of, count))
+        inner_.child_bounds.push_back(round_outwards(b));
+      return;
+    }
+    for (std::size_t child = 0; child < count; ++child) {
+      const Extent extent = region_extent(model_, mesh_, *inner_.adjacency, inner_.faces_of_child(child), inner_.level);
+      inner_.child_bounds.push_back(round_outwards(final_bounds(model_, extent, inner_.level)));
+    }
   }
 
   double find_bud_share() const {

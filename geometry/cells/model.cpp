@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
+#include <unordered_map>
 
 namespace meristem {
 
@@ -96,17 +97,69 @@ class ExtentBuilder {
       extend(extent_.u, uv.x, first_uv_);
       extend(extent_.v, uv.y, first_uv_);
       first_uv_ = false;
-      extent_.contraction = std::max(extent_.contraction, smoothing_contraction(adjacency_, v));
     }
   }
 
-  Extent take() {
+  // Vertices of the owned faces and ring 1: only these are smoothed for the region's sake.
+  void add_smoothed_face(std::uint32_t f) {
+    for (std::uint32_t v : mesh_.corners(f))
+      extent_.contraction = std::max(extent_.contraction, smoothing_contraction(adjacency_, v));
+  }
+
+  // Once all faces are added. `scale_faces`: those given to add_scale_face().
+  Extent take(std::span<const std::uint32_t> scale_faces) {
+    extent_.edge_sum = longest_edge_sum(scale_faces);
     extent_.next_contraction = std::max(extent_.next_contraction, extent_.contraction);
     if (has_other_faces_) extent_.contraction = worst_first_contraction;
     return std::move(extent_);
   }
 
  private:
+  // Sorts the edges of quads into two directions by walking from face to face (opposite edges of a face share one), and adds the longest of
+  // each; twice the longest edge if a face is no quad or the walk contradicts itself around an irregular vertex.
+  double longest_edge_sum(std::span<const std::uint32_t> faces) const {
+    if (has_other_faces_) return 2 * extent_.edge;
+    std::unordered_map<std::uint32_t, int> turn;  // of every face: the direction of its edges 0 and 2
+    for (std::uint32_t f : faces) turn.emplace(f, -1);
+    double longest[2] = {0, 0};
+    std::vector<std::uint32_t> walk;
+    for (std::uint32_t start : faces) {
+      if (turn[start] < 0) {
+        turn[start] = 0;
+        walk.push_back(start);
+      }
+      if (!walk.empty() && start != faces.front()) return 2 * extent_.edge;  // a second piece: its directions are unknown
+      while (!walk.empty()) {
+        const std::uint32_t f = walk.back();
+        walk.pop_back();
+        for (int k = 0; k < 4; ++k) {
+          const Adjacency::Edge& edge = adjacency_.edge(adjacency_.edge_of_corner(mesh_.face_starts[f] + std::uint32_t(k)));
+          const int direction = (turn[f] + k) % 2;
+          longest[direction] = std::max(longest[direction], length(mesh_.positions[edge.vertices[0]] - mesh_.positions[edge.vertices[1]]));
+          const std::uint32_t g = edge.faces[0] == f ? edge.faces[1] : edge.faces[0];
+          const auto other = turn.find(g);
+          if (other == turn.end()) continue;
+          const int other_turn = (direction + side_of(g, edge)) % 2;
+          if (other->second < 0) {
+            other->second = other_turn;
+            walk.push_back(g);
+          } else if (other->second != other_turn) {
+            return 2 * extent_.edge;
+          }
+        }
+      }
+    }
+    return longest[0] + longest[1];
+  }
+
+  // Which edge of face g it is, counted from corner 0.
+  int side_of(std::uint32_t g, const Adjacency::Edge& edge) const {
+    const std::uint32_t start = mesh_.face_starts[g];
+    for (std::uint32_t k = 0; k < mesh_.corner_count(g); ++k)
+      if (&adjacency_.edge(adjacency_.edge_of_corner(start + k)) == &edge) return int(k);
+    return 0;
+  }
+
   void add_symbol(std::uint32_t f, const FaceOrigin& origin) {
     const FaceFrame frame = face_frame(mesh_, f);
     double radius = 0;
@@ -177,10 +230,13 @@ Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adja
   ExtentBuilder builder(model, mesh, adjacency, level);
   for (std::uint32_t f : faces) builder.add_control_face(f);
   for (std::uint32_t f : neighborhood.ring1) builder.add_control_face(f);
-  for (std::uint32_t f : faces) builder.add_scale_face(f);
-  for (std::uint32_t f : neighborhood.ring1) builder.add_scale_face(f);
-  for (std::uint32_t f : neighborhood.ring2) builder.add_scale_face(f);
-  return builder.take();
+  for (std::uint32_t f : faces) builder.add_smoothed_face(f);
+  for (std::uint32_t f : neighborhood.ring1) builder.add_smoothed_face(f);
+  std::vector<std::uint32_t> all(faces.begin(), faces.end());
+  all.insert(all.end(), neighborhood.ring1.begin(), neighborhood.ring1.end());
+  all.insert(all.end(), neighborhood.ring2.begin(), neighborhood.ring2.end());
+  for (std::uint32_t f : all) builder.add_scale_face(f);
+  return builder.take(all);
 }
 
 Bounds3d final_bounds(const Model& model, Extent extent, int level) {

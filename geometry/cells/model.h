@@ -13,7 +13,7 @@ namespace meristem {
 // How a model is cut into cells. Images do not depend on it (but for ties at cell borders); speed and memory do.
 struct CellSettings {
   std::uint32_t leaf_faces = 1024;    // final faces of a leaf cell: 32 x 32 quads keep 0.82-0.87 of the speed of one flat scene
-  std::uint32_t inner_faces = 1024;   // an expansion stops to split when it would hold more
+  std::uint32_t inner_faces = 8192;   // an expansion stops to split when it would hold more
 };
 
 class Model {

@@ -5,7 +5,7 @@
 // level, and then only read: any thread may apply them to any cell at the same time.
 #pragma once
 
-#include "geometry/fields/expression.h"
+#include "geometry/cells/extent.h"
 #include "geometry/mesh/mesh.h"
 #include "geometry/mesh/quantum.h"
 
@@ -20,26 +20,6 @@ struct CellMesh {
   Mesh mesh;
   std::uint32_t owned_faces = 0;
   std::vector<std::uint8_t> rings;  // one a face; ascending
-};
-
-// What is known of a region before the next step: enough to bound everything that will ever come of it.
-// Bounds on the growth of edges under one smoothing step at any vertex (contraction.h): of a mesh of quads, and of one with faces of any size.
-// A grow step makes vertices of unknown shape: its bound() sets these.
-constexpr double worst_contraction = 1.0;
-constexpr double worst_first_contraction = 1.42;
-
-struct SymbolRange {           // a symbol that stands on some of the region's faces, and the range of its parameters
-  std::int32_t symbol = -1;
-  std::array<Interval, max_growth_parameters> parameters{};
-  float radius = 0;            // the largest distance of a corner of such a face from its centroid
-};
-struct Extent {
-  Bounds3d box;                // of the control points that the owned faces depend on (owned faces and ring 1)
-  double edge = 0;             // the longest edge within two rings (of faces that are not quads: the largest distance of two corners)
-  double contraction = worst_first_contraction;        // bound on (longest edge after one smoothing) / edge
-  double next_contraction = worst_contraction;         // the same for all smoothings after it
-  Interval u, v;
-  std::vector<SymbolRange> symbols;  // those with a production in a later step
 };
 
 class Step {

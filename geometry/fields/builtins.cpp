@@ -50,7 +50,9 @@ struct Builder {
 };
 
 template <Op op>
-NodeId direct(CallContext& call, Arguments a) { return call.graph().make(op, a); }
+NodeId direct(CallContext& call, Arguments a) {
+  return call.graph().make(op, a);
+}
 
 // f of the argument in radians; and of an angle, in degrees.
 template <Op op>
@@ -73,9 +75,18 @@ NodeId fold_all(CallContext& call, Arguments a) {
 }
 
 NodeId clamp(CallContext& call, Arguments a) { return Builder(call).clamp(a[0], a[1], a[2]); }
-NodeId deg(CallContext& call, Arguments a) { Builder b(call); return b.mul(a[0], b.number(180 / pi)); }
-NodeId rad(CallContext& call, Arguments a) { Builder b(call); return b.mul(a[0], b.number(pi / 180)); }
-NodeId invert(CallContext& call, Arguments a) { Builder b(call); return b.sub(b.number(1), a[0]); }
+NodeId deg(CallContext& call, Arguments a) {
+  Builder b(call);
+  return b.mul(a[0], b.number(180 / pi));
+}
+NodeId rad(CallContext& call, Arguments a) {
+  Builder b(call);
+  return b.mul(a[0], b.number(pi / 180));
+}
+NodeId invert(CallContext& call, Arguments a) {
+  Builder b(call);
+  return b.sub(b.number(1), a[0]);
+}
 NodeId hypot(CallContext& call, Arguments a) {
   Builder b(call);
   return b.unary(Op::Length, b.g.make_vector(a[0], a[1], b.number(0)));
@@ -88,8 +99,14 @@ NodeId boxstep(CallContext& call, Arguments a) { return Builder(call).at_least(a
 NodeId place_between(Builder& b, NodeId x, NodeId from, NodeId to) {
   return b.select(b.equal(from, to), b.at_least(x, from), b.div(b.sub(x, from), b.sub(to, from)));
 }
-NodeId expand(CallContext& call, Arguments a) { Builder b(call); return place_between(b, a[0], a[1], a[2]); }
-NodeId linearstep(CallContext& call, Arguments a) { Builder b(call); return b.unit_clamp(place_between(b, a[0], a[1], a[2])); }
+NodeId expand(CallContext& call, Arguments a) {
+  Builder b(call);
+  return place_between(b, a[0], a[1], a[2]);
+}
+NodeId linearstep(CallContext& call, Arguments a) {
+  Builder b(call);
+  return b.unit_clamp(place_between(b, a[0], a[1], a[2]));
+}
 NodeId smoothstep(CallContext& call, Arguments a) {
   Builder b(call);
   return b.unary(Op::SmoothCurve, place_between(b, a[0], a[1], a[2]));
@@ -109,17 +126,23 @@ NodeId remap(CallContext& call, Arguments a) {
   const NodeId distance = b.unary(Op::Abs, b.sub(a[0], a[1]));
   const NodeId place = b.div(b.sub(b.add(range, falloff), distance), falloff);
   const NodeId interpolation = b.unary(Op::Trunc, a[4]);
-  const NodeId soft = b.select(b.equal(interpolation, b.number(0)), b.unit_clamp(place),
-                               b.select(b.equal(interpolation, b.number(1)), b.unary(Op::SmoothCurve, place),
-                                        b.unary(Op::GaussCurve, place)));
+  const NodeId soft = b.select(
+      b.equal(interpolation, b.number(0)), b.unit_clamp(place),
+      b.select(b.equal(interpolation, b.number(1)), b.unary(Op::SmoothCurve, place), b.unary(Op::GaussCurve, place)));
   return b.select(b.equal(falloff, b.number(0)), b.less(distance, range), soft);
 }
 
-NodeId gamma(CallContext& call, Arguments a) { Builder b(call); return b.pow(a[0], b.div(b.number(1), a[1])); }
+NodeId gamma(CallContext& call, Arguments a) {
+  Builder b(call);
+  return b.pow(a[0], b.div(b.number(1), a[1]));
+}
 NodeId bias_of(Builder& b, NodeId x, NodeId amount) {
   return b.pow(x, b.mul(b.unary(Op::Log, amount), b.number(1 / std::log(0.5))));
 }
-NodeId bias(CallContext& call, Arguments a) { Builder b(call); return bias_of(b, a[0], a[1]); }
+NodeId bias(CallContext& call, Arguments a) {
+  Builder b(call);
+  return bias_of(b, a[0], a[1]);
+}
 NodeId contrast(CallContext& call, Arguments a) {
   Builder b(call);
   const NodeId half = b.number(0.5), one = b.number(1), amount = b.sub(one, a[1]), twice = b.mul(b.number(2), a[0]);
@@ -132,8 +155,14 @@ NodeId angle(CallContext& call, Arguments a) {
   Builder b(call);
   return b.unary(Op::Acos, b.g.make(Op::Dot, {b.unary(Op::Norm, a[0]), b.unary(Op::Norm, a[1])}));
 }
-NodeId dist(CallContext& call, Arguments a) { Builder b(call); return b.unary(Op::Length, b.sub(a[0], a[1])); }
-NodeId ortho(CallContext& call, Arguments a) { Builder b(call); return b.unary(Op::Norm, b.g.make(Op::Cross, a)); }
+NodeId dist(CallContext& call, Arguments a) {
+  Builder b(call);
+  return b.unary(Op::Length, b.sub(a[0], a[1]));
+}
+NodeId ortho(CallContext& call, Arguments a) {
+  Builder b(call);
+  return b.unary(Op::Norm, b.g.make(Op::Cross, a));
+}
 NodeId up(CallContext& call, Arguments a) {
   Builder b(call);
   const NodeId y = b.g.make_vector(b.number(0), b.number(1), b.number(0));
@@ -156,9 +185,15 @@ NodeId place_of(Builder& b, Arguments a) {
 NodeId half_and_half(Builder& b, NodeId a) { return b.add(b.mul(a, b.number(0.5)), b.number(0.5)); }
 
 template <Op op>
-NodeId at_place(CallContext& call, Arguments a) { Builder b(call); return b.unary(op, place_of(b, a)); }
+NodeId at_place(CallContext& call, Arguments a) {
+  Builder b(call);
+  return b.unary(op, place_of(b, a));
+}
 template <Op op>
-NodeId at_place_unsigned(CallContext& call, Arguments a) { Builder b(call); return half_and_half(b, b.unary(op, place_of(b, a))); }
+NodeId at_place_unsigned(CallContext& call, Arguments a) {
+  Builder b(call);
+  return half_and_half(b, b.unary(op, place_of(b, a)));
+}
 
 // Arguments from `first` on: octaves, lacunarity, gain.
 NodeId octaves(Builder& b, Op op, NodeId place, Arguments a, std::size_t first, int default_octaves) {
@@ -166,8 +201,14 @@ NodeId octaves(Builder& b, Op op, NodeId place, Arguments a, std::size_t first, 
   return b.g.make(op, {place, b.argument_or(a, first + 1, 2), b.argument_or(a, first + 2, 0.5)}, count);
 }
 template <Op op>
-NodeId fractal(CallContext& call, Arguments a) { Builder b(call); return octaves(b, op, a[0], a, 1, 6); }
-NodeId cfbm(CallContext& call, Arguments a) { Builder b(call); return half_and_half(b, octaves(b, Op::VectorFbm, a[0], a, 1, 6)); }
+NodeId fractal(CallContext& call, Arguments a) {
+  Builder b(call);
+  return octaves(b, op, a[0], a, 1, 6);
+}
+NodeId cfbm(CallContext& call, Arguments a) {
+  Builder b(call);
+  return half_and_half(b, octaves(b, Op::VectorFbm, a[0], a, 1, 6));
+}
 
 // v, type, jitter, fbmScale, fbmOctaves, fbmLacunarity, fbmGain
 template <Op op>
@@ -202,8 +243,7 @@ NodeId pick_by_index(Builder& b, NodeId position, Arguments values) {
 }
 void want_equal_types(Builder& b, Arguments a, std::size_t first, std::size_t stride) {
   for (std::size_t i = first; i < a.size(); i += stride)
-    if (b.g.is_vector(a[i]) != b.g.is_vector(a[first]))
-      b.call.fail(i, "all choices must be scalars or all vectors");
+    if (b.g.is_vector(a[i]) != b.g.is_vector(a[first])) b.call.fail(i, "all choices must be scalars or all vectors");
 }
 NodeId choose(CallContext& call, Arguments a) {
   Builder b(call);
@@ -238,7 +278,7 @@ NodeId pick(CallContext& call, Arguments a) {
 // A control point of a curve: what holds from it to the next one.
 struct ControlPoint {
   double position, value;
-  int interpolation;     // 0 none, 1 linear, 2 smooth, 3 spline, 4 monotone spline
+  int interpolation;  // 0 none, 1 linear, 2 smooth, 3 spline, 4 monotone spline
   double slope = 0;
 };
 
@@ -260,7 +300,10 @@ void set_slopes(std::vector<ControlPoint>& p) {
 CurvePiece piece_between(const ControlPoint& a, const ControlPoint& b) {
   const double h = b.position - a.position, rise = b.value - a.value;
   auto piece = [&](double c1, double c2, double c3) {
-    auto number = [](double v) { return float(std::clamp(v, -double(std::numeric_limits<float>::max()), double(std::numeric_limits<float>::max()))); };
+    auto number = [](double v) {
+      return float(
+          std::clamp(v, -double(std::numeric_limits<float>::max()), double(std::numeric_limits<float>::max())));
+    };
     return CurvePiece{float(a.position), float(a.value), number(c1), number(c2), number(c3)};
   };
   if (h <= 0 || a.interpolation == 0) return piece(0, 0, 0);
@@ -287,7 +330,10 @@ CurveTable curve_of(Builder& b, Arguments a, int component) {
                       b.integer(a, i + 2, 1, 0, 4, "the interpolation of a curve")});
   return curve_through(std::move(points));
 }
-NodeId curve(CallContext& call, Arguments a) { Builder b(call); return b.g.curve(a[0], curve_of(b, a, 0)); }
+NodeId curve(CallContext& call, Arguments a) {
+  Builder b(call);
+  return b.g.curve(a[0], curve_of(b, a, 0));
+}
 NodeId ccurve(CallContext& call, Arguments a) {
   Builder b(call);
   std::array<NodeId, 3> parts{};
@@ -295,97 +341,150 @@ NodeId ccurve(CallContext& call, Arguments a) {
   return b.g.make_vector(parts[0], parts[1], parts[2]);
 }
 
-// clang-format off
 constexpr Builtin builtins[] = {
-  {{"abs", "numbers", "abs(x)", "x without its sign"}, "c", direct<Op::Abs>},
-  {{"sign", "numbers", "sign(x)", "-1, 0 or 1"}, "c", direct<Op::Sign>},
-  {{"floor", "numbers", "floor(x)", "the largest whole number not above x"}, "c", direct<Op::Floor>},
-  {{"ceil", "numbers", "ceil(x)", "the smallest whole number not below x"}, "c", direct<Op::Ceil>},
-  {{"round", "numbers", "round(x)", "floor(x + 0.5)"}, "c", direct<Op::Round>},
-  {{"trunc", "numbers", "trunc(x)", "x without its fraction"}, "c", direct<Op::Trunc>},
-  {{"fmod", "numbers", "fmod(x, y)", "the remainder of x / y with the sign of x; 0 if y is 0"}, "cc", direct<Op::Fmod>},
-  {{"min", "numbers", "min(a, b, ...)", "the smallest"}, "c*c", fold_all<Op::Min>},
-  {{"max", "numbers", "max(a, b, ...)", "the largest"}, "c*c", fold_all<Op::Max>},
-  {{"clamp", "numbers", "clamp(x, lo, hi)", "min(max(x, lo), hi)"}, "ccc", clamp},
-  {{"sqrt", "numbers", "sqrt(x)", "the square root of max(x, 0)"}, "c", direct<Op::Sqrt>},
-  {{"cbrt", "numbers", "cbrt(x)", "the cube root, with the sign of x"}, "c", direct<Op::Cbrt>},
-  {{"pow", "numbers", "pow(x, y)", "x^y; 0 where it is not real, and for 0 to a negative power"}, "cc", direct<Op::Pow>},
-  {{"exp", "numbers", "exp(x)", "E^x"}, "c", direct<Op::Exp>},
-  {{"log", "numbers", "log(x)", "the natural logarithm of max(x, 2^-126)"}, "c", direct<Op::Log>},
-  {{"log10", "numbers", "log10(x)", "the decimal logarithm of max(x, 2^-126)"}, "c", direct<Op::Log10>},
-  {{"hypot", "numbers", "hypot(x, y)", "sqrt(x*x + y*y)"}, "ss", hypot},
-  {{"invert", "numbers", "invert(x)", "1 - x, as ~x"}, "c", invert},
+    {{"abs", "numbers", "abs(x)", "x without its sign"}, "c", direct<Op::Abs>},
+    {{"sign", "numbers", "sign(x)", "-1, 0 or 1"}, "c", direct<Op::Sign>},
+    {{"floor", "numbers", "floor(x)", "the largest whole number not above x"}, "c", direct<Op::Floor>},
+    {{"ceil", "numbers", "ceil(x)", "the smallest whole number not below x"}, "c", direct<Op::Ceil>},
+    {{"round", "numbers", "round(x)", "floor(x + 0.5)"}, "c", direct<Op::Round>},
+    {{"trunc", "numbers", "trunc(x)", "x without its fraction"}, "c", direct<Op::Trunc>},
+    {{"fmod", "numbers", "fmod(x, y)", "the remainder of x / y with the sign of x; 0 if y is 0"},
+     "cc",
+     direct<Op::Fmod>},
+    {{"min", "numbers", "min(a, b, ...)", "the smallest"}, "c*c", fold_all<Op::Min>},
+    {{"max", "numbers", "max(a, b, ...)", "the largest"}, "c*c", fold_all<Op::Max>},
+    {{"clamp", "numbers", "clamp(x, lo, hi)", "min(max(x, lo), hi)"}, "ccc", clamp},
+    {{"sqrt", "numbers", "sqrt(x)", "the square root of max(x, 0)"}, "c", direct<Op::Sqrt>},
+    {{"cbrt", "numbers", "cbrt(x)", "the cube root, with the sign of x"}, "c", direct<Op::Cbrt>},
+    {{"pow", "numbers", "pow(x, y)", "x^y; 0 where it is not real, and for 0 to a negative power"},
+     "cc",
+     direct<Op::Pow>},
+    {{"exp", "numbers", "exp(x)", "E^x"}, "c", direct<Op::Exp>},
+    {{"log", "numbers", "log(x)", "the natural logarithm of max(x, 2^-126)"}, "c", direct<Op::Log>},
+    {{"log10", "numbers", "log10(x)", "the decimal logarithm of max(x, 2^-126)"}, "c", direct<Op::Log10>},
+    {{"hypot", "numbers", "hypot(x, y)", "sqrt(x*x + y*y)"}, "ss", hypot},
+    {{"invert", "numbers", "invert(x)", "1 - x, as ~x"}, "c", invert},
 
-  {{"sin", "angles", "sin(x)", "sine of an angle in radians"}, "c", direct<Op::Sin>},
-  {{"cos", "angles", "cos(x)", "cosine of an angle in radians"}, "c", direct<Op::Cos>},
-  {{"tan", "angles", "tan(x)", "tangent of an angle in radians"}, "c", direct<Op::Tan>},
-  {{"asin", "angles", "asin(x)", "arc sine of clamp(x, -1, 1), in radians"}, "c", direct<Op::Asin>},
-  {{"acos", "angles", "acos(x)", "arc cosine of clamp(x, -1, 1), in radians"}, "c", direct<Op::Acos>},
-  {{"atan", "angles", "atan(x)", "arc tangent in radians"}, "c", direct<Op::Atan>},
-  {{"atan2", "angles", "atan2(y, x)", "the angle of the point (x, y) in radians; 0 at the origin"}, "cc", direct<Op::Atan2>},
-  {{"sinh", "angles", "sinh(x)", "hyperbolic sine"}, "c", direct<Op::Sinh>},
-  {{"cosh", "angles", "cosh(x)", "hyperbolic cosine"}, "c", direct<Op::Cosh>},
-  {{"tanh", "angles", "tanh(x)", "hyperbolic tangent"}, "c", direct<Op::Tanh>},
-  {{"deg", "angles", "deg(x)", "radians to degrees"}, "c", deg},
-  {{"rad", "angles", "rad(x)", "degrees to radians"}, "c", rad},
-  {{"sind", "angles", "sind(x)", "sin(rad(x))"}, "c", of_degrees<Op::Sin>},
-  {{"cosd", "angles", "cosd(x)", "cos(rad(x))"}, "c", of_degrees<Op::Cos>},
-  {{"tand", "angles", "tand(x)", "tan(rad(x))"}, "c", of_degrees<Op::Tan>},
-  {{"asind", "angles", "asind(x)", "deg(asin(x))"}, "c", in_degrees<Op::Asin>},
-  {{"acosd", "angles", "acosd(x)", "deg(acos(x))"}, "c", in_degrees<Op::Acos>},
-  {{"atand", "angles", "atand(x)", "deg(atan(x))"}, "c", in_degrees<Op::Atan>},
-  {{"atan2d", "angles", "atan2d(y, x)", "deg(atan2(y, x))"}, "cc", in_degrees<Op::Atan2>},
+    {{"sin", "angles", "sin(x)", "sine of an angle in radians"}, "c", direct<Op::Sin>},
+    {{"cos", "angles", "cos(x)", "cosine of an angle in radians"}, "c", direct<Op::Cos>},
+    {{"tan", "angles", "tan(x)", "tangent of an angle in radians"}, "c", direct<Op::Tan>},
+    {{"asin", "angles", "asin(x)", "arc sine of clamp(x, -1, 1), in radians"}, "c", direct<Op::Asin>},
+    {{"acos", "angles", "acos(x)", "arc cosine of clamp(x, -1, 1), in radians"}, "c", direct<Op::Acos>},
+    {{"atan", "angles", "atan(x)", "arc tangent in radians"}, "c", direct<Op::Atan>},
+    {{"atan2", "angles", "atan2(y, x)", "the angle of the point (x, y) in radians; 0 at the origin"},
+     "cc",
+     direct<Op::Atan2>},
+    {{"sinh", "angles", "sinh(x)", "hyperbolic sine"}, "c", direct<Op::Sinh>},
+    {{"cosh", "angles", "cosh(x)", "hyperbolic cosine"}, "c", direct<Op::Cosh>},
+    {{"tanh", "angles", "tanh(x)", "hyperbolic tangent"}, "c", direct<Op::Tanh>},
+    {{"deg", "angles", "deg(x)", "radians to degrees"}, "c", deg},
+    {{"rad", "angles", "rad(x)", "degrees to radians"}, "c", rad},
+    {{"sind", "angles", "sind(x)", "sin(rad(x))"}, "c", of_degrees<Op::Sin>},
+    {{"cosd", "angles", "cosd(x)", "cos(rad(x))"}, "c", of_degrees<Op::Cos>},
+    {{"tand", "angles", "tand(x)", "tan(rad(x))"}, "c", of_degrees<Op::Tan>},
+    {{"asind", "angles", "asind(x)", "deg(asin(x))"}, "c", in_degrees<Op::Asin>},
+    {{"acosd", "angles", "acosd(x)", "deg(acos(x))"}, "c", in_degrees<Op::Acos>},
+    {{"atand", "angles", "atand(x)", "deg(atan(x))"}, "c", in_degrees<Op::Atan>},
+    {{"atan2d", "angles", "atan2d(y, x)", "deg(atan2(y, x))"}, "cc", in_degrees<Op::Atan2>},
 
-  {{"mix", "ramps", "mix(a, b, t)", "a*(1 - t) + b*t"}, "ccc", direct<Op::Mix>},
-  {{"compress", "ramps", "compress(x, lo, hi)", "mix(lo, hi, x): from [0, 1] to [lo, hi]"}, "ccc", compress},
-  {{"expand", "ramps", "expand(x, lo, hi)", "(x - lo) / (hi - lo): from [lo, hi] to [0, 1]; boxstep(x, lo) if they are equal"}, "ccc", expand},
-  {{"fit", "ramps", "fit(x, a1, b1, a2, b2)", "mix(a2, b2, expand(x, a1, b1))"}, "ccccc", fit},
-  {{"boxstep", "ramps", "boxstep(x, a)", "0 below a, else 1"}, "cc", boxstep},
-  {{"linearstep", "ramps", "linearstep(x, a, b)", "t = clamp(expand(x, a, b), 0, 1)"}, "ccc", linearstep},
-  {{"smoothstep", "ramps", "smoothstep(x, a, b)", "t*t*(3 - 2*t) of the t of linearstep"}, "ccc", smoothstep},
-  {{"gaussstep", "ramps", "gaussstep(x, a, b)", "0 where the t of linearstep is 0, else 2^(-8*(1 - t)^2)"}, "ccc", gaussstep},
-  {{"remap", "ramps", "remap(x, source, range, falloff, interp)", "1 within range of source, 0 beyond range + falloff; between them linear (interp 0), smooth (1) or gaussian (2)"}, "ccccc", remap},
-  {{"gamma", "ramps", "gamma(x, g)", "pow(x, 1/g)"}, "cc", gamma},
-  {{"bias", "ramps", "bias(x, b)", "pow(x, log(b)/log(0.5)): 0.5 becomes b"}, "cc", bias},
-  {{"contrast", "ramps", "contrast(x, c)", "bias of both halves: less contrast below c = 0.5, more above"}, "cc", contrast},
+    {{"mix", "ramps", "mix(a, b, t)", "a*(1 - t) + b*t"}, "ccc", direct<Op::Mix>},
+    {{"compress", "ramps", "compress(x, lo, hi)", "mix(lo, hi, x): from [0, 1] to [lo, hi]"}, "ccc", compress},
+    {{"expand", "ramps", "expand(x, lo, hi)",
+      "(x - lo) / (hi - lo): from [lo, hi] to [0, 1]; boxstep(x, lo) if they are equal"},
+     "ccc",
+     expand},
+    {{"fit", "ramps", "fit(x, a1, b1, a2, b2)", "mix(a2, b2, expand(x, a1, b1))"}, "ccccc", fit},
+    {{"boxstep", "ramps", "boxstep(x, a)", "0 below a, else 1"}, "cc", boxstep},
+    {{"linearstep", "ramps", "linearstep(x, a, b)", "t = clamp(expand(x, a, b), 0, 1)"}, "ccc", linearstep},
+    {{"smoothstep", "ramps", "smoothstep(x, a, b)", "t*t*(3 - 2*t) of the t of linearstep"}, "ccc", smoothstep},
+    {{"gaussstep", "ramps", "gaussstep(x, a, b)", "0 where the t of linearstep is 0, else 2^(-8*(1 - t)^2)"},
+     "ccc",
+     gaussstep},
+    {{"remap", "ramps", "remap(x, source, range, falloff, interp)",
+      "1 within range of source, 0 beyond range + falloff; between them linear (interp 0), smooth (1) or gaussian (2)"},
+     "ccccc",
+     remap},
+    {{"gamma", "ramps", "gamma(x, g)", "pow(x, 1/g)"}, "cc", gamma},
+    {{"bias", "ramps", "bias(x, b)", "pow(x, log(b)/log(0.5)): 0.5 becomes b"}, "cc", bias},
+    {{"contrast", "ramps", "contrast(x, c)", "bias of both halves: less contrast below c = 0.5, more above"},
+     "cc",
+     contrast},
 
-  {{"length", "vectors", "length(v)", "Euclidean length"}, "v", direct<Op::Length>},
-  {{"norm", "vectors", "norm(v)", "v / length(v); zero for the zero vector"}, "v", direct<Op::Norm>},
-  {{"dot", "vectors", "dot(a, b)", "scalar product"}, "vv", direct<Op::Dot>},
-  {{"cross", "vectors", "cross(a, b)", "vector product"}, "vv", direct<Op::Cross>},
-  {{"dist", "vectors", "dist(a, b)", "length(a - b)"}, "vv", dist},
-  {{"angle", "vectors", "angle(a, b)", "angle between two vectors, in radians"}, "vv", angle},
-  {{"ortho", "vectors", "ortho(a, b)", "norm(cross(a, b))"}, "vv", ortho},
-  {{"rotate", "vectors", "rotate(v, axis, angle)", "v turned about axis by an angle in radians, counter-clockwise seen against the axis"}, "vvs", direct<Op::Rotate>},
-  {{"up", "vectors", "up(v, to)", "v turned by the rotation that takes [0,1,0] to the direction of `to`"}, "vv", up},
+    {{"length", "vectors", "length(v)", "Euclidean length"}, "v", direct<Op::Length>},
+    {{"norm", "vectors", "norm(v)", "v / length(v); zero for the zero vector"}, "v", direct<Op::Norm>},
+    {{"dot", "vectors", "dot(a, b)", "scalar product"}, "vv", direct<Op::Dot>},
+    {{"cross", "vectors", "cross(a, b)", "vector product"}, "vv", direct<Op::Cross>},
+    {{"dist", "vectors", "dist(a, b)", "length(a - b)"}, "vv", dist},
+    {{"angle", "vectors", "angle(a, b)", "angle between two vectors, in radians"}, "vv", angle},
+    {{"ortho", "vectors", "ortho(a, b)", "norm(cross(a, b))"}, "vv", ortho},
+    {{"rotate", "vectors", "rotate(v, axis, angle)",
+      "v turned about axis by an angle in radians, counter-clockwise seen against the axis"},
+     "vvs",
+     direct<Op::Rotate>},
+    {{"up", "vectors", "up(v, to)", "v turned by the rotation that takes [0,1,0] to the direction of `to`"}, "vv", up},
 
-  {{"noise", "noise", "noise(v)", "0.5*snoise(v) + 0.5, in [0, 1]; also noise(x), noise(x, y), noise(x, y, z)"}, "c;cc", at_place_unsigned<Op::Noise>},
-  {{"snoise", "noise", "snoise(v)", "gradient noise in [-1, 1]; scalars as for noise"}, "c;cc", at_place<Op::Noise>},
-  {{"vnoise", "noise", "vnoise(v)", "three gradient noises, the first of them snoise(v)"}, "c;cc", at_place<Op::VectorNoise>},
-  {{"cnoise", "noise", "cnoise(v)", "0.5*vnoise(v) + 0.5"}, "c;cc", at_place_unsigned<Op::VectorNoise>},
-  {{"fbm", "noise", "fbm(v, octaves=6, lacunarity=2, gain=0.5)", "sum of snoise over octaves, within the sum of |gain|^k"}, "v;kss", fractal<Op::Fbm>},
-  {{"vfbm", "noise", "vfbm(v, octaves=6, lacunarity=2, gain=0.5)", "three such sums, the first of them fbm"}, "v;kss", fractal<Op::VectorFbm>},
-  {{"cfbm", "noise", "cfbm(v, octaves=6, lacunarity=2, gain=0.5)", "0.5*vfbm(...) + 0.5"}, "v;kss", cfbm},
-  {{"turbulence", "noise", "turbulence(v, octaves=6, lacunarity=2, gain=0.5)", "sum of abs(snoise) over octaves"}, "v;kss", fractal<Op::Turbulence>},
-  {{"vturbulence", "noise", "vturbulence(v, octaves=6, lacunarity=2, gain=0.5)", "three such sums, the first of them turbulence"}, "v;kss", fractal<Op::VectorTurbulence>},
-  {{"cellnoise", "noise", "cellnoise(v)", "one random number in [0, 1) a unit cell; scalars as for noise"}, "c;cc", at_place<Op::CellNoise>},
-  {{"ccellnoise", "noise", "ccellnoise(v)", "three random numbers a unit cell"}, "c;cc", at_place<Op::CellColor>},
-  {{"voronoi", "noise", "voronoi(v, type=1, jitter=0.5, fbmScale=0, fbmOctaves=4, fbmLacunarity=2, fbmGain=0.5)", "distances to jittered points: nearest (1), second (2), their difference (3), cell borders (4), their mean (5)"}, "v;ksskss", voronoi<Op::Voronoi>},
-  {{"cvoronoi", "noise", "cvoronoi(v, type=1, jitter=0.5, fbmScale=0, fbmOctaves=4, fbmLacunarity=2, fbmGain=0.5)", "three random numbers of the nearest point"}, "v;ksskss", voronoi<Op::VoronoiColor>},
-  {{"pvoronoi", "noise", "pvoronoi(v, type=1, jitter=0.5, fbmScale=0, fbmOctaves=4, fbmLacunarity=2, fbmGain=0.5)", "the place of the nearest point"}, "v;ksskss", voronoi<Op::VoronoiPosition>},
+    {{"noise", "noise", "noise(v)", "0.5*snoise(v) + 0.5, in [0, 1]; also noise(x), noise(x, y), noise(x, y, z)"},
+     "c;cc",
+     at_place_unsigned<Op::Noise>},
+    {{"snoise", "noise", "snoise(v)", "gradient noise in [-1, 1]; scalars as for noise"}, "c;cc", at_place<Op::Noise>},
+    {{"vnoise", "noise", "vnoise(v)", "three gradient noises, the first of them snoise(v)"},
+     "c;cc",
+     at_place<Op::VectorNoise>},
+    {{"cnoise", "noise", "cnoise(v)", "0.5*vnoise(v) + 0.5"}, "c;cc", at_place_unsigned<Op::VectorNoise>},
+    {{"fbm", "noise", "fbm(v, octaves=6, lacunarity=2, gain=0.5)",
+      "sum of snoise over octaves, within the sum of |gain|^k"},
+     "v;kss",
+     fractal<Op::Fbm>},
+    {{"vfbm", "noise", "vfbm(v, octaves=6, lacunarity=2, gain=0.5)", "three such sums, the first of them fbm"},
+     "v;kss",
+     fractal<Op::VectorFbm>},
+    {{"cfbm", "noise", "cfbm(v, octaves=6, lacunarity=2, gain=0.5)", "0.5*vfbm(...) + 0.5"}, "v;kss", cfbm},
+    {{"turbulence", "noise", "turbulence(v, octaves=6, lacunarity=2, gain=0.5)", "sum of abs(snoise) over octaves"},
+     "v;kss",
+     fractal<Op::Turbulence>},
+    {{"vturbulence", "noise", "vturbulence(v, octaves=6, lacunarity=2, gain=0.5)",
+      "three such sums, the first of them turbulence"},
+     "v;kss",
+     fractal<Op::VectorTurbulence>},
+    {{"cellnoise", "noise", "cellnoise(v)", "one random number in [0, 1) a unit cell; scalars as for noise"},
+     "c;cc",
+     at_place<Op::CellNoise>},
+    {{"ccellnoise", "noise", "ccellnoise(v)", "three random numbers a unit cell"}, "c;cc", at_place<Op::CellColor>},
+    {{"voronoi", "noise", "voronoi(v, type=1, jitter=0.5, fbmScale=0, fbmOctaves=4, fbmLacunarity=2, fbmGain=0.5)",
+      "distances to jittered points: nearest (1), second (2), their difference (3), cell borders (4), their mean (5)"},
+     "v;ksskss",
+     voronoi<Op::Voronoi>},
+    {{"cvoronoi", "noise", "cvoronoi(v, type=1, jitter=0.5, fbmScale=0, fbmOctaves=4, fbmLacunarity=2, fbmGain=0.5)",
+      "three random numbers of the nearest point"},
+     "v;ksskss",
+     voronoi<Op::VoronoiColor>},
+    {{"pvoronoi", "noise", "pvoronoi(v, type=1, jitter=0.5, fbmScale=0, fbmOctaves=4, fbmLacunarity=2, fbmGain=0.5)",
+      "the place of the nearest point"},
+     "v;ksskss",
+     voronoi<Op::VoronoiPosition>},
 
-  {{"hash", "chance", "hash(a, ...)", "a random number in [0, 1) that depends on the arguments alone"}, "*c", hash},
-  {{"rand", "chance", "rand(min=0, max=1, seed=0)", "a random number of this vertex or face, another one for each rand in the text"}, ";sss", rand},
-  {{"choose", "chance", "choose(index, a, b, ...)", "index in [0, 1) chooses with equal shares"}, "sc*c", choose},
-  {{"wchoose", "chance", "wchoose(index, a, weight, ...)", "index in [0, 1) chooses with shares by weight"}, "s*cs", wchoose},
-  {{"pick", "chance", "pick(index, lo, hi)", "index in [0, 1) chooses a whole number from lo to hi"}, "sss", pick},
-  {{"cycle", "chance", "cycle(index, lo, hi)", "lo to hi and around again as index counts up"}, "sss", cycle},
+    {{"hash", "chance", "hash(a, ...)", "a random number in [0, 1) that depends on the arguments alone"}, "*c", hash},
+    {{"rand", "chance", "rand(min=0, max=1, seed=0)",
+      "a random number of this vertex or face, another one for each rand in the text"},
+     ";sss",
+     rand},
+    {{"choose", "chance", "choose(index, a, b, ...)", "index in [0, 1) chooses with equal shares"}, "sc*c", choose},
+    {{"wchoose", "chance", "wchoose(index, a, weight, ...)", "index in [0, 1) chooses with shares by weight"},
+     "s*cs",
+     wchoose},
+    {{"pick", "chance", "pick(index, lo, hi)", "index in [0, 1) chooses a whole number from lo to hi"}, "sss", pick},
+    {{"cycle", "chance", "cycle(index, lo, hi)", "lo to hi and around again as index counts up"}, "sss", cycle},
 
-  {{"curve", "curves", "curve(x, pos, value, interp, ...)", "through constant points; interp 0 none, 1 linear, 2 smooth, 3 spline, 4 monotone spline"}, "s*kkk", curve},
-  {{"ccurve", "curves", "ccurve(x, pos, color, interp, ...)", "a curve of vectors"}, "s*kmk", ccurve},
-  {{"spline", "curves", "spline(x, y1, y2, y3, y4, ...)", "Catmull-Rom from y2 at x = 0 to the last but one at x = 1"}, "ssss*s", direct<Op::Spline>},
+    {{"curve", "curves", "curve(x, pos, value, interp, ...)",
+      "through constant points; interp 0 none, 1 linear, 2 smooth, 3 spline, 4 monotone spline"},
+     "s*kkk",
+     curve},
+    {{"ccurve", "curves", "ccurve(x, pos, color, interp, ...)", "a curve of vectors"}, "s*kmk", ccurve},
+    {{"spline", "curves", "spline(x, y1, y2, y3, y4, ...)",
+      "Catmull-Rom from y2 at x = 0 to the last but one at x = 1"},
+     "ssss*s",
+     direct<Op::Spline>},
 };
-// clang-format on
 
 }  // namespace
 

@@ -1,8 +1,8 @@
 // Expression: one compiled formula of the expression language (docs/expressions.md), the language of vertex placement,
 // attributes, productions, material patterns and scattering. Syntax and function names are those of Disney's SeExpr 2.
 //
-// Total: no loops, no state, no input or output; every operation has a defined finite or IEEE result. Compiled once to a
-// graph; evaluated over blocks of points with SIMD (same bits on every instruction set and for any split into blocks:
+// Total: no loops, no state, no input or output; every operation has a defined finite or IEEE result. Compiled once to
+// a graph; evaluated over blocks of points with SIMD (same bits on every instruction set and for any split into blocks:
 // lanes never mix, no fused multiply-add), and over intervals for bounds. Immutable after compile(): any thread may
 // evaluate; scratch memory is per thread and allocates only while it grows.
 #pragma once
@@ -58,7 +58,8 @@ struct Input {
   int stride = 1;
 };
 
-// The points of one evaluation. `inputs` has one entry for each slot of the Symbols (those the expression does not use may be null).
+// The points of one evaluation. `inputs` has one entry for each slot of the Symbols (those the expression does not use
+// may be null).
 struct Block {
   int count = 0;                      // any number; evaluated in runs of a fixed size inside
   std::span<const Input> inputs;
@@ -74,7 +75,9 @@ struct IntervalValue {
   Interval x, y, z;                                            // scalars use x alone
   float max_length = std::numeric_limits<float>::infinity();   // of a vector; infinity: only the components bound it
 
-  static IntervalValue scalar(float lower, float upper) { return {{lower, upper}, {}, {}, std::numeric_limits<float>::infinity()}; }
+  static IntervalValue scalar(float lower, float upper) {
+    return {{lower, upper}, {}, {}, std::numeric_limits<float>::infinity()};
+  }
   static IntervalValue unit_vector() { return {{-1, 1}, {-1, 1}, {-1, 1}, 1}; }  // of length at most 1
 };
 
@@ -93,7 +96,8 @@ class Expression {
 
   // Writes block.count results; y and z are null for a scalar. Outputs must not overlap inputs.
   virtual void evaluate(const Block& block, float* x, float* y, float* z) const = 0;
-  // One interval a slot; the result holds every value evaluate() can give for inputs inside them and for any key (NaN aside).
+  // One interval a slot; the result holds every value evaluate() can give for inputs inside them and for any key
+  // (NaN aside).
   virtual IntervalValue evaluate_bounds(std::span<const IntervalValue> inputs) const = 0;
 
   // One point, for constants and per-face parameters: `values` holds one Vec3f a slot (scalars in x).

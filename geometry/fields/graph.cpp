@@ -11,7 +11,12 @@ namespace {
 
 bool is_commutative(Op op) {
   switch (op) {
-    case Op::Add: case Op::Mul: case Op::Equal: case Op::And: case Op::Or: case Op::Dot: return true;
+    case Op::Add:
+    case Op::Mul:
+    case Op::Equal:
+    case Op::And:
+    case Op::Or:
+    case Op::Dot: return true;
     default: return false;
   }
 }
@@ -44,11 +49,17 @@ Vec3f run_once(Op op, int parameter, const CurveTable* curve, std::span<const fl
 
 ValueType result_type(Op op, bool any_vector) {
   switch (op) {
-    case Op::MakeVector: case Op::Cross: case Op::Norm: case Op::Rotate: case Op::VectorNoise: case Op::VectorFbm:
-    case Op::VectorTurbulence: case Op::CellColor: case Op::VoronoiPosition: case Op::VoronoiColor:
-      return ValueType::Vector;
-    default:
-      return is_componentwise(op) && any_vector ? ValueType::Vector : ValueType::Scalar;
+    case Op::MakeVector:
+    case Op::Cross:
+    case Op::Norm:
+    case Op::Rotate:
+    case Op::VectorNoise:
+    case Op::VectorFbm:
+    case Op::VectorTurbulence:
+    case Op::CellColor:
+    case Op::VoronoiPosition:
+    case Op::VoronoiColor: return ValueType::Vector;
+    default: return is_componentwise(op) && any_vector ? ValueType::Vector : ValueType::Scalar;
   }
 }
 
@@ -130,7 +141,8 @@ NodeId Graph::simplified(Op op, std::span<const NodeId> a) const {
       return is(1, 1) && keeps_type(0, 1) ? a[0] : -1;
     case Op::Sub: return is(1, 0) ? a[0] : -1;
     case Op::Div: return is(1, 1) ? a[0] : -1;
-    case Op::Min: case Op::Max: return a[0] == a[1] ? a[0] : -1;
+    case Op::Min:
+    case Op::Max: return a[0] == a[1] ? a[0] : -1;
     case Op::Select:
       if (is_vector(a[1]) != is_vector(a[2]) || is_vector(a[0])) return -1;
       if (a[1] == a[2]) return a[1];

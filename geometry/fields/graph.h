@@ -20,11 +20,11 @@ using NodeId = std::int32_t;
 struct Node {
   Op op = Op::Constant;
   ValueType type = ValueType::Scalar;
-  bool constant = false;          // depends on no input and no random number
+  bool constant = false;  // depends on no input and no random number
   std::int32_t first_argument = 0, argument_count = 0;
-  std::int32_t parameter = 0;     // slot of an Input; index of a Component; octaves; type of voronoi; occurrence of a
-                                  // Rand; index of a Curve's table
-  float value = 0;                // of a Constant
+  std::int32_t parameter = 0;  // slot of an Input; index of a Component; octaves; type of voronoi; occurrence of a
+                               // Rand; index of a Curve's table
+  float value = 0;             // of a Constant
 };
 
 // The pieces of one curve(), by place; the first and the last are constant.
@@ -35,7 +35,7 @@ struct CurveTable {
 class Graph {
  public:
   static constexpr std::size_t max_nodes = 10000;
-  struct TooLarge {};             // thrown by whatever would make a node beyond max_nodes
+  struct TooLarge {};  // thrown by whatever would make a node beyond max_nodes
 
   NodeId constant(float value);
   NodeId input(int slot, ValueType type);

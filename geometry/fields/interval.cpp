@@ -35,9 +35,16 @@ Range clipped(Range r, Range to) { return clipped(r, to.lower, to.upper); }
 // The floats that an operation with this exact range may give: 4 ulps further, flushed denormals, saturated.
 Range rounded(Range r) {
   auto margin = [](double v) { return std::abs(v) * 0x1p-21 + 2 * smallest; };
-  auto down = [](double v) { const float f = float(v); return double(f) <= v ? f : std::nextafterf(f, -INFINITY); };
-  auto up = [](double v) { const float f = float(v); return double(f) >= v ? f : std::nextafterf(f, INFINITY); };
-  return {down(std::clamp(r.lower - margin(r.lower), -largest, largest)), up(std::clamp(r.upper + margin(r.upper), -largest, largest))};
+  auto down = [](double v) {
+    const float f = float(v);
+    return double(f) <= v ? f : std::nextafterf(f, -INFINITY);
+  };
+  auto up = [](double v) {
+    const float f = float(v);
+    return double(f) >= v ? f : std::nextafterf(f, INFINITY);
+  };
+  return {down(std::clamp(r.lower - margin(r.lower), -largest, largest)),
+          up(std::clamp(r.upper + margin(r.upper), -largest, largest))};
 }
 
 Range add(Range a, Range b) { return {a.lower + b.lower, a.upper + b.upper}; }
@@ -64,9 +71,13 @@ Range divide(Range a, Range b) {
 }
 
 template <class Function>
-Range rising(Function f, Range a) { return {f(a.lower), f(a.upper)}; }
+Range rising(Function f, Range a) {
+  return {f(a.lower), f(a.upper)};
+}
 template <class Function>
-Range rounded_rising(Function f, Range a) { return rounded(rising(f, a)); }
+Range rounded_rising(Function f, Range a) {
+  return rounded(rising(f, a));
+}
 
 // The sine over an interval, shifted by a quarter of the circle for the cosine: extrema at odd quarters.
 Range sine(Range a, double shift) {
@@ -101,7 +112,7 @@ Range positive_power(Range x, Range y) {
       r = hull(r, {v, v});
     }
   r = rounded({r.lower * (1 - 1e-12), r.upper * (1 + 1e-12)});
-  if (x.lower < smallest) r.lower = 0;                       // a zero base
+  if (x.lower < smallest) r.lower = 0;  // a zero base
   if (y.contains(0)) r = hull(r, {1, 1});
   return {std::max(r.lower, 0.0), r.upper};
 }
@@ -119,7 +130,8 @@ Range modulo(Range x, Range y) {
   if (y.lower == y.upper && y.lower > smallest) {
     const double turn = std::floor(x.lower / y.lower);
     const Range r{x.lower - turn * y.lower, x.upper - turn * y.lower};
-    const bool one_turn = x.magnitude() / y.lower < 0x1p24 && r.lower > 1e-6 * y.lower && r.upper < (1 - 1e-6) * y.lower;
+    const bool one_turn =
+        x.magnitude() / y.lower < 0x1p24 && r.lower > 1e-6 * y.lower && r.upper < (1 - 1e-6) * y.lower;
     if (one_turn) return clipped(rounded({r.lower - 1e-9 * x.magnitude(), r.upper + 1e-9 * x.magnitude()}), 0, y.lower);
   }
   return {std::min(y.lower, 0.0), std::max(y.upper, 0.0)};
@@ -130,7 +142,8 @@ Range remainder(Range x, Range y) {
 }
 
 Range arc_tangent(Range y, Range x) {
-  const bool cut = x.lower <= smallest && y.lower <= smallest && y.upper >= -smallest;  // the negative x axis, or the origin
+  const bool cut =
+      x.lower <= smallest && y.lower <= smallest && y.upper >= -smallest;  // the negative x axis, or the origin
   if (cut) return clipped(rounded({-pi, pi}), -3.1415928, 3.1415928);
   Range r{infinity, -infinity};  // off the cut the angle's extrema are at corners of the box
   for (double b : {y.lower, y.upper})
@@ -151,7 +164,10 @@ Range mix(Range a, Range b, Range t) {
   return rounded({r.lower - error, r.upper + error});
 }
 
-double smooth_curve(double t) { t = std::clamp(t, 0.0, 1.0); return t * t * (3 - 2 * t); }
+double smooth_curve(double t) {
+  t = std::clamp(t, 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
 double gauss_curve(double t) { return t <= 0 ? 0 : std::exp2(-8 * (1 - std::min(t, 1.0)) * (1 - std::min(t, 1.0))); }
 
 Range unary(Op op, Range a) {
@@ -167,19 +183,22 @@ Range unary(Op op, Range a) {
     case Op::Trunc: return exact([](double v) { return std::trunc(v); });
     case Op::Sqrt: return clipped(rounded(exact([](double v) { return std::sqrt(std::max(v, 0.0)); })), 0, largest);
     case Op::Cbrt: return rounded(exact(libm(std::cbrt)));
-    case Op::Exp: return clipped(rounded(exact([](double v) { return std::exp(std::clamp(v, -200.0, 200.0)); })), 0, largest);
+    case Op::Exp:
+      return clipped(rounded(exact([](double v) { return std::exp(std::clamp(v, -200.0, 200.0)); })), 0, largest);
     case Op::Log: return rounded(exact([](double v) { return std::log(std::max(v, smallest)); }));
     case Op::Log10: return rounded(exact([](double v) { return std::log10(std::max(v, smallest)); }));
     case Op::Sin: return sine(a, 0);
     case Op::Cos: return sine(a, pi / 2);
     case Op::Tan: return tangent(a);
     case Op::Asin: return rounded(exact([](double v) { return std::asin(std::clamp(v, -1.0, 1.0)); }));
-    case Op::Acos: return rounded(Range{std::acos(std::clamp(a.upper, -1.0, 1.0)), std::acos(std::clamp(a.lower, -1.0, 1.0))});
+    case Op::Acos:
+      return rounded(Range{std::acos(std::clamp(a.upper, -1.0, 1.0)), std::acos(std::clamp(a.lower, -1.0, 1.0))});
     case Op::Atan: return rounded(exact(libm(std::atan)));
     case Op::Sinh: return rounded(exact([](double v) { return std::sinh(std::clamp(v, -200.0, 200.0)); }));
     case Op::Cosh: return hyperbolic_cosine(a);
     case Op::Tanh: return clipped(rounded(exact(libm(std::tanh))), -1, 1);
-    case Op::SmoothCurve: return clipped(rounded(Range{smooth_curve(a.lower) - 1e-6, smooth_curve(a.upper) + 1e-6}), 0, 1.000001);
+    case Op::SmoothCurve:
+      return clipped(rounded(Range{smooth_curve(a.lower) - 1e-6, smooth_curve(a.upper) + 1e-6}), 0, 1.000001);
     case Op::GaussCurve: return clipped(rounded(exact(gauss_curve)), 0, 1);
     default: CHECK(false, "operation {}", int(op));
   }
@@ -202,7 +221,9 @@ Range binary(Op op, Range a, Range b, bool same) {
     case Op::Atan2: return arc_tangent(a, b);
     case Op::Less: return same ? Range{0, 0} : truth(a.upper < b.lower, a.lower >= b.upper);
     case Op::LessEqual: return same ? Range{1, 1} : truth(a.upper <= b.lower, a.lower > b.upper);
-    case Op::Equal: return same ? Range{1, 1} : truth(a.lower == b.upper && a.upper == b.lower, a.upper < b.lower || b.upper < a.lower);
+    case Op::Equal:
+      return same ? Range{1, 1}
+                  : truth(a.lower == b.upper && a.upper == b.lower, a.upper < b.lower || b.upper < a.lower);
     case Op::And: return truth(is_true(a) && is_true(b), is_false(a) || is_false(b));
     case Op::Or: return truth(is_true(a) || is_true(b), is_false(a) && is_false(b));
     default: CHECK(false, "operation {}", int(op));
@@ -224,9 +245,16 @@ struct Bound {
 
 double box_length(const Box& b) { return std::hypot(b[0].magnitude(), b[1].magnitude(), b[2].magnitude()); }
 
+// What an input may be: a finite number; a denormal one may act as 0.
+Range input_range(Interval i) {
+  Range r = clipped(range_of(i), -largest, largest);
+  if (r.lower > 0 && r.lower < smallest) r.lower = 0;
+  if (r.upper < 0 && r.upper > -smallest) r.upper = 0;
+  return r;
+}
+
 Bound bound_of(const IntervalValue& v) {
-  auto finite = [](Interval i) { return clipped(range_of(i), -largest, largest); };
-  return {{finite(v.x), finite(v.y), finite(v.z)}, double(v.max_length)};
+  return {{input_range(v.x), input_range(v.y), input_range(v.z)}, double(v.max_length)};
 }
 
 // Components and length sharpen each other; the length is of the float results, so it is rounded too.
@@ -262,7 +290,8 @@ Range curve_range(const CurveTable& table, Range x) {
     const double end = i + 1 < table.pieces.size() ? table.pieces[i + 1].start : infinity;
     if (x.upper < p.start || x.lower >= end) continue;
     const bool flat = p.c1 == 0 && p.c2 == 0 && p.c3 == 0;
-    r = hull(r, flat ? Range{p.c0, p.c0} : piece_range(p, std::max(x.lower, double(p.start)) - p.start, std::min(x.upper, end) - p.start));
+    r = hull(r, flat ? Range{p.c0, p.c0}
+                     : piece_range(p, std::max(x.lower, double(p.start)) - p.start, std::min(x.upper, end) - p.start));
   }
   return r;
 }
@@ -270,7 +299,8 @@ Range curve_range(const CurveTable& table, Range x) {
 // The evaluation of bounds over one graph.
 class Evaluation {
  public:
-  Evaluation(const Graph& graph, std::span<const IntervalValue> inputs) : g_(graph), inputs_(inputs), values_(graph.size()) {}
+  Evaluation(const Graph& graph, std::span<const IntervalValue> inputs)
+      : g_(graph), inputs_(inputs), values_(graph.size()) {}
 
   IntervalValue run(NodeId result) {
     for (NodeId i = 0; i <= result; ++i) values_[std::size_t(i)] = value_of(g_.node(i));
@@ -310,7 +340,7 @@ class Evaluation {
     CHECK(std::size_t(n.parameter) < inputs_.size(), "input {} of {}", n.parameter, inputs_.size());
     const IntervalValue& v = inputs_[std::size_t(n.parameter)];
     if (n.type == ValueType::Vector) return vector_value(bound_of(v));
-    return scalar_value(clipped(range_of(v.x), -largest, largest));
+    return scalar_value(input_range(v.x));
   }
 
   IntervalValue componentwise(const Node& n, std::span<const NodeId> a) const {
@@ -329,7 +359,8 @@ class Evaluation {
     auto factor = [&](NodeId id) { return g_.is_vector(id) ? infinity : scalar(id).magnitude(); };
     auto product = [](double l, double f) { return f == 0 ? 0 : l * f; };
     switch (n.op) {
-      case Op::Add: case Op::Sub:
+      case Op::Add:
+      case Op::Sub:
         if (n.op == Op::Sub && is_false(component(a[0], 0)) && !g_.is_vector(a[0])) return length(a[1]);
         return length(a[0]) + length(a[1]);
       case Op::Mul: return std::min(product(length(a[0]), factor(a[1])), product(length(a[1]), factor(a[0])));
@@ -343,7 +374,8 @@ class Evaluation {
         return between ? std::max(length(a[0]), length(a[1])) : infinity;
       }
       case Op::Select: return g_.is_vector(a[0]) ? infinity : std::max(length(a[1]), length(a[2]));
-      case Op::Abs: case Op::Trunc: return length(a[0]);
+      case Op::Abs:
+      case Op::Trunc: return length(a[0]);
       default: return infinity;
     }
   }
@@ -373,7 +405,8 @@ class Evaluation {
     double error = 0;
     for (int c = 0; c < 3; ++c) {
       const int d = (c + 1) % 3, e = (c + 2) % 3;
-      const Range p = multiply(component(a[0], d), component(a[1], e)), q = multiply(component(a[0], e), component(a[1], d));
+      const Range p = multiply(component(a[0], d), component(a[1], e)),
+                  q = multiply(component(a[0], e), component(a[1], d));
       const double here = std::min(p.magnitude() + q.magnitude(), largest) * 0x1p-21;
       const Range r = subtract(p, q);
       box[std::size_t(c)] = rounded({r.lower - here, r.upper + here});
@@ -404,9 +437,14 @@ class Evaluation {
 
   IntervalValue chance_or_noise(const Node& n, std::span<const NodeId> a) const {
     switch (n.op) {
-      case Op::Noise: case Op::VectorNoise: case Op::Fbm: case Op::VectorFbm: case Op::Turbulence: case Op::VectorTurbulence:
-        return octaves(n, a);
-      case Op::CellColor: case Op::VoronoiColor: return vector_value({{Range{0, 1}, Range{0, 1}, Range{0, 1}}});
+      case Op::Noise:
+      case Op::VectorNoise:
+      case Op::Fbm:
+      case Op::VectorFbm:
+      case Op::Turbulence:
+      case Op::VectorTurbulence: return octaves(n, a);
+      case Op::CellColor:
+      case Op::VoronoiColor: return vector_value({{Range{0, 1}, Range{0, 1}, Range{0, 1}}});
       case Op::Voronoi: return scalar_value(voronoi(n.parameter));
       case Op::VoronoiPosition: return voronoi_position(a[0]);
       default: return scalar_value({0, 1});  // CellNoise, Rand, Hash
@@ -417,7 +455,8 @@ class Evaluation {
     const double nearest = 1.7321, second = 2.0616;
     switch (type) {
       case 1: return {0, nearest};
-      case 2: case 3: return {0, second};
+      case 2:
+      case 3: return {0, second};
       case 4: return {0, 1.000001};
       default: return {0, (nearest + second) / 2};
     }
@@ -447,8 +486,10 @@ class Evaluation {
         sum[c] = add(sum[c], multiply(amplitude, absolute_value ? absolute(here[c]) : here[c]));
       magnitude += amplitude.magnitude();
       amplitude = multiply(amplitude, gain);
-      if (lacunarity.lower == lacunarity.upper) ball.step(lacunarity.lower, octave_shifts[std::size_t(k)]);
-      else ball.radius = infinity;
+      if (lacunarity.lower == lacunarity.upper)
+        ball.step(lacunarity.lower, octave_shifts[std::size_t(k)]);
+      else
+        ball.radius = infinity;
     }
     for (Range& r : sum) {
       r = rounded({r.lower - magnitude * 1e-5, r.upper + magnitude * 1e-5});

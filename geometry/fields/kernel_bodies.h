@@ -37,32 +37,45 @@ MERISTEM_INLINE void for_lanes(const KernelCall& c, int lanes, Body body) {
 }
 template <class Function>
 MERISTEM_INLINE void unary(const KernelCall& c, int lanes, Function f) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) { return f(at(c, 0, i)); });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) { return f(at(c, 0, i)); });
 }
 template <class Function>
 MERISTEM_INLINE void binary(const KernelCall& c, int lanes, Function f) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) { return f(at(c, 0, i), at(c, 1, i)); });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) { return f(at(c, 0, i), at(c, 1, i)); });
 }
 template <class Function>
 MERISTEM_INLINE void ternary(const KernelCall& c, int lanes, Function f) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) { return f(at(c, 0, i), at(c, 1, i), at(c, 2, i)); });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) { return f(at(c, 0, i), at(c, 1, i), at(c, 2, i)); });
 }
 
-#define UNARY(name, value) \
-  void name(const KernelCall& c, int lanes) { unary(c, lanes, [&](F a) __attribute__((always_inline)) -> F { return value; }); }
-#define UNARY_DOUBLE(name, value)                                                                         \
-  void name(const KernelCall& c, int lanes) {                                                             \
-    unary(c, lanes, [&](F f) __attribute__((always_inline)) -> F {                                         \
-      return in_double([&](D a) __attribute__((always_inline)) -> D { return value; }, f);                 \
-    });                                                                                                   \
+#define UNARY(name, value)                                                       \
+  void name(const KernelCall& c, int lanes) {                                    \
+    unary(                                                                       \
+        c, lanes, [&](F a) __attribute__((always_inline))->F { return value; }); \
   }
-#define BINARY(name, value) \
-  void name(const KernelCall& c, int lanes) { binary(c, lanes, [&](F a, F b) __attribute__((always_inline)) -> F { return value; }); }
-#define BINARY_DOUBLE(name, value)                                                                        \
-  void name(const KernelCall& c, int lanes) {                                                             \
-    binary(c, lanes, [&](F f, F g) __attribute__((always_inline)) -> F {                                   \
-      return in_double([&](D a, D b) __attribute__((always_inline)) -> D { return value; }, f, g);         \
-    });                                                                                                   \
+#define UNARY_DOUBLE(name, value)                                               \
+  void name(const KernelCall& c, int lanes) {                                   \
+    unary(                                                                      \
+        c, lanes, [&](F f) __attribute__((always_inline))->F {                  \
+          return in_double(                                                     \
+              [&](D a) __attribute__((always_inline))->D { return value; }, f); \
+        });                                                                     \
+  }
+#define BINARY(name, value)                                                           \
+  void name(const KernelCall& c, int lanes) {                                         \
+    binary(                                                                           \
+        c, lanes, [&](F a, F b) __attribute__((always_inline))->F { return value; }); \
+  }
+#define BINARY_DOUBLE(name, value)                                                      \
+  void name(const KernelCall& c, int lanes) {                                           \
+    binary(                                                                             \
+        c, lanes, [&](F f, F g) __attribute__((always_inline))->F {                     \
+          return in_double(                                                             \
+              [&](D a, D b) __attribute__((always_inline))->D { return value; }, f, g); \
+        });                                                                             \
   }
 
 namespace kernel {
@@ -98,7 +111,7 @@ UNARY_DOUBLE(GaussCurve, gauss_curve(a))
 
 BINARY(Add, finite(a + b))
 BINARY(Sub, finite(a - b))
-BINARY(Mul, finite(a * b))
+BINARY(Mul, finite(a* b))
 BINARY(Div, F(I(finite(a / b)) & ~I(b == 0.0f)))
 BINARY_DOUBLE(Mod, modulo(a, b))
 BINARY_DOUBLE(Fmod, remainder(a, b))
@@ -113,26 +126,33 @@ BINARY(And, one_where(I(a != 0.0f) & I(b != 0.0f)))
 BINARY(Or, one_where(I(a != 0.0f) | I(b != 0.0f)))
 
 void Select(const KernelCall& c, int lanes) {
-  ternary(c, lanes, [&](F condition, F a, F b) __attribute__((always_inline)) { return blend(b, a, I(condition != 0.0f)); });
+  ternary(
+      c,
+      lanes, [&](F condition, F a, F b) __attribute__((always_inline)) { return blend(b, a, I(condition != 0.0f)); });
 }
 void Mix(const KernelCall& c, int lanes) {
-  ternary(c, lanes, [&](F a, F b, F t) __attribute__((always_inline)) {
-    return finite(finite(a * finite(1.0f - t)) + finite(b * t));
-  });
+  ternary(
+      c, lanes, [&](F a, F b, F t) __attribute__((always_inline)) {
+        return finite(finite(a * finite(1.0f - t)) + finite(b * t));
+      });
 }
 
 void Dot(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) {
-    const Point a = point_at(c, 0, i), b = point_at(c, 3, i);
-    return finite(finite(finite(a.x * b.x) + finite(a.y * b.y)) + finite(a.z * b.z));
-  });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) {
+        const Point a = point_at(c, 0, i), b = point_at(c, 3, i);
+        return finite(finite(finite(a.x * b.x) + finite(a.y * b.y)) + finite(a.z * b.z));
+      });
 }
 void Cross(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) {
-    const Point a = point_at(c, 0, i), b = point_at(c, 3, i);
-    auto minor = [&](F p, F q, F r, F s) __attribute__((always_inline)) { return finite(finite(p * q) - finite(r * s)); };
-    return Point{minor(a.y, b.z, a.z, b.y), minor(a.z, b.x, a.x, b.z), minor(a.x, b.y, a.y, b.x)};
-  });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) {
+        const Point a = point_at(c, 0, i), b = point_at(c, 3, i);
+        auto minor = [&](F p, F q, F r, F s) __attribute__((always_inline)) {
+          return finite(finite(p * q) - finite(r * s));
+        };
+        return Point{minor(a.y, b.z, a.z, b.y), minor(a.z, b.x, a.x, b.z), minor(a.x, b.y, a.y, b.x)};
+      });
 }
 
 // Half of the lanes of a vector, as doubles.
@@ -153,16 +173,18 @@ MERISTEM_INLINE PointD normalized(PointD p) {
 }
 
 void Length(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) {
-    const Point p = point_at(c, 0, i);
-    return join(finite(length(lower_point(p))), finite(length(upper_point(p))));
-  });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) {
+        const Point p = point_at(c, 0, i);
+        return join(finite(length(lower_point(p))), finite(length(upper_point(p))));
+      });
 }
 void Norm(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) {
-    const Point p = point_at(c, 0, i);
-    return join_points(normalized(lower_point(p)), normalized(upper_point(p)));
-  });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) {
+        const Point p = point_at(c, 0, i);
+        return join_points(normalized(lower_point(p)), normalized(upper_point(p)));
+      });
 }
 
 // Rodrigues' formula; v itself if the axis is zero.
@@ -176,46 +198,52 @@ MERISTEM_INLINE PointD rotated(PointD v, PointD axis, D angle) {
           v.z * cosine + (k.x * v.y - k.y * v.x) * s + k.z * along};
 }
 void Rotate(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) {
-    const Point v = point_at(c, 0, i), axis = point_at(c, 3, i);
-    const F angle = at(c, 6, i);
-    return join_points(rotated(lower_point(v), lower_point(axis), lower_half(angle)),
-                       rotated(upper_point(v), upper_point(axis), upper_half(angle)));
-  });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) {
+        const Point v = point_at(c, 0, i), axis = point_at(c, 3, i);
+        const F angle = at(c, 6, i);
+        return join_points(rotated(lower_point(v), lower_point(axis), lower_half(angle)),
+                           rotated(upper_point(v), upper_point(axis), upper_half(angle)));
+      });
 }
 
 void Noise(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) { return signed_noise(point_at(c, 0, i)); });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) { return signed_noise(point_at(c, 0, i)); });
 }
 void VectorNoise(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) {
-    return vector_noise(cell_of(clamp_point(point_at(c, 0, i))));
-  });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) {
+        return vector_noise(cell_of(clamp_point(point_at(c, 0, i))));
+      });
 }
 
 // Operands: point, lacunarity, gain; `parameter` octaves. The sum of shape(noise of octave k) * gain^k.
 template <class Noise, class Shape>
 MERISTEM_INLINE void octaves(const KernelCall& c, int lanes, Noise noise, Shape shape) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) {
-    Point p = clamp_point(point_at(c, 0, i));
-    const F lacunarity = clamp(at(c, 3, i), splat(-max_lacunarity), splat(max_lacunarity));
-    const F gain = clamp(at(c, 4, i), splat(-max_gain), splat(max_gain));
-    F amplitude = splat(1.0f);
-    decltype(noise(cell_of(p))) sum{};
-    for (int k = 0; k < c.parameter; ++k) {
-      const Cell cell = cell_of(p);
-      p = next_octave(p, lacunarity, octave_shifts[std::size_t(k)]);  // before the sum: its latency hides behind that
-      add_scaled(sum, shape(noise(cell)), amplitude);
-      amplitude *= gain;
-    }
-    return sum;
-  });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) {
+        Point p = clamp_point(point_at(c, 0, i));
+        const F lacunarity = clamp(at(c, 3, i), splat(-max_lacunarity), splat(max_lacunarity));
+        const F gain = clamp(at(c, 4, i), splat(-max_gain), splat(max_gain));
+        F amplitude = splat(1.0f);
+        decltype(noise(cell_of(p))) sum{};
+        for (int k = 0; k < c.parameter; ++k) {
+          const Cell cell = cell_of(p);
+          p = next_octave(p, lacunarity,
+                          octave_shifts[std::size_t(k)]);  // before the sum: its latency hides behind that
+          add_scaled(sum, shape(noise(cell)), amplitude);
+          amplitude *= gain;
+        }
+        return sum;
+      });
 }
 MERISTEM_INLINE F one_noise(const Cell& cell) { return noise_at(cell, 0); }
-#define OCTAVES(name, noise, shape)                                                       \
-  void name(const KernelCall& c, int lanes) {                                             \
-    octaves(c, lanes, [&](const Cell& cell) __attribute__((always_inline)) { return noise(cell); }, \
-            [&](auto n) __attribute__((always_inline)) { return shape; });                 \
+#define OCTAVES(name, noise, shape)                                                             \
+  void name(const KernelCall& c, int lanes) {                                                   \
+    octaves(                                                                                    \
+        c, lanes, [&](const Cell& cell) __attribute__((always_inline)) { return noise(cell); }, \
+        [&](auto n) __attribute__((always_inline)) { return shape; });                          \
   }
 OCTAVES(Fbm, one_noise, n)
 OCTAVES(VectorFbm, vector_noise, n)
@@ -223,10 +251,12 @@ OCTAVES(Turbulence, one_noise, absolute(n))
 OCTAVES(VectorTurbulence, vector_noise, absolute(n))
 
 void CellNoise(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) { return uniform(cell_hash(point_at(c, 0, i))); });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) { return uniform(cell_hash(point_at(c, 0, i))); });
 }
 void CellColor(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) __attribute__((always_inline)) { return color_of(cell_hash(point_at(c, 0, i))); });
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) { return color_of(cell_hash(point_at(c, 0, i))); });
 }
 void Voronoi(const KernelCall& c, int lanes) {
   for_lanes(c, lanes, [&](int i) {
@@ -275,7 +305,8 @@ void Spline(const KernelCall& c, int lanes) {
     auto weigh = [&](F w, F y) __attribute__((always_inline)) { return finite(w * y); };
     const F t2 = t * t, t3 = t2 * t;
     const F outer = finite(weigh((2.0f * t2 - t3 - t) * 0.5f, y0) + weigh((t3 - t2) * 0.5f, y3));
-    const F inner = finite(weigh((3.0f * t3 - 5.0f * t2 + 2.0f) * 0.5f, y1) + weigh((4.0f * t2 - 3.0f * t3 + t) * 0.5f, y2));
+    const F inner =
+        finite(weigh((3.0f * t3 - 5.0f * t2 + 2.0f) * 0.5f, y1) + weigh((4.0f * t2 - 3.0f * t3 + t) * 0.5f, y2));
     return finite(outer + inner);
   });
 }
@@ -303,13 +334,12 @@ constexpr Kernel Rand = nullptr;
 
 }  // namespace kernel
 
-constexpr KernelTable table = {
-    MERISTEM_LANES == 8 ? "AVX2" : "SSE4.2",
-    {
+constexpr KernelTable table = {MERISTEM_LANES == 8 ? "AVX2" : "SSE4.2",
+                               {
 #define X(name) kernel::name,
-        MERISTEM_OPS(X)
+                                   MERISTEM_OPS(X)
 #undef X
-    }};
+                               }};
 
 }  // namespace
 }  // namespace meristem

@@ -27,8 +27,8 @@ struct KernelCall {
   std::array<float*, 3> out{};
   const Operand* operands = nullptr;
   int operand_count = 0;
-  int parameter = 0;                    // octaves, type of voronoi
-  const CurvePiece* pieces = nullptr;   // of a curve; `parameter` of them
+  int parameter = 0;                   // octaves, type of voronoi
+  const CurvePiece* pieces = nullptr;  // of a curve; `parameter` of them
 };
 
 using Kernel = void (*)(const KernelCall& call, int lanes);
@@ -39,8 +39,8 @@ struct KernelTable {
 };
 
 const KernelTable& baseline_kernels();
-const KernelTable& avx2_kernels();   // only to be called where avx2_supported()
+const KernelTable& avx2_kernels();  // only to be called where avx2_supported()
 bool avx2_supported();
-const KernelTable& best_kernels();   // of this machine
+const KernelTable& best_kernels();  // of this machine
 
 }  // namespace meristem

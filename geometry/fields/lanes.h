@@ -2,7 +2,7 @@
 // 8 lanes (AVX2). Every operation acts on each lane by itself and is exact or correctly rounded, and there is no fused
 // multiply-add, so a lane gets the same bits with either width and at any position.
 //
-// Only for the kernel_*.cpp files, which define MERISTEM_LANES first; everything is local to them.
+// Only for the kernels_*.cpp files, which define MERISTEM_LANES first; everything is local to them.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ constexpr int width = MERISTEM_LANES;
 typedef float F __attribute__((vector_size(4 * width)));
 typedef std::int32_t I __attribute__((vector_size(4 * width)));
 typedef std::uint32_t U __attribute__((vector_size(4 * width)));
-typedef double D __attribute__((vector_size(4 * width)));        // half as many lanes
+typedef double D __attribute__((vector_size(4 * width)));  // half as many lanes
 typedef std::int64_t L __attribute__((vector_size(4 * width)));
 typedef std::uint64_t UL __attribute__((vector_size(4 * width)));
 typedef F LooseF __attribute__((aligned(4), may_alias));
@@ -90,8 +90,12 @@ MERISTEM_INLINE F finite(F a) { return clamp(a, splat(-largest), splat(largest))
 MERISTEM_INLINE D finite(D a) { return clamp(a, splat(-double(largest)), splat(double(largest))); }
 MERISTEM_INLINE F abs(F a) { return F(I(a) & splat(INT32_MAX)); }
 MERISTEM_INLINE D abs(D a) { return D(L(a) & (L{} + INT64_MAX)); }
-MERISTEM_INLINE F copy_sign(F magnitude, F sign) { return F((I(magnitude) & splat(INT32_MAX)) | (I(sign) & splat(INT32_MIN))); }
-MERISTEM_INLINE D copy_sign(D magnitude, D sign) { return D((L(magnitude) & (L{} + INT64_MAX)) | (L(sign) & (L{} + INT64_MIN))); }
+MERISTEM_INLINE F copy_sign(F magnitude, F sign) {
+  return F((I(magnitude) & splat(INT32_MAX)) | (I(sign) & splat(INT32_MIN)));
+}
+MERISTEM_INLINE D copy_sign(D magnitude, D sign) {
+  return D((L(magnitude) & (L{} + INT64_MAX)) | (L(sign) & (L{} + INT64_MIN)));
+}
 MERISTEM_INLINE F one_where(I mask) { return F(I(splat(1.0f)) & mask); }
 
 }  // namespace

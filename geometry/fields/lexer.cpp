@@ -50,6 +50,7 @@ Token Lexer::number() {
   }
   if (std::abs(value) > double(std::numeric_limits<float>::max()))
     throw ExpressionError("the number is too large; the largest is 3.4e38", position_, length);
+  if (value < double(std::numeric_limits<float>::min())) value = 0;  // denormal numbers are 0
   Token t{Token::Kind::Number, text_.substr(position_, length), float(value), position_, length};
   position_ += length;
   return t;
@@ -66,7 +67,8 @@ Token Lexer::next() {
     position_ = end_of_name(name);
     return {Token::Kind::Name, text_.substr(name, position_ - name), 0, start, position_ - start};
   }
-  static constexpr std::string_view pairs[] = {"==", "!=", "<=", ">=", "&&", "||", "->", "+=", "-=", "*=", "/=", "%=", "^="};
+  static constexpr std::string_view pairs[] = {"==", "!=", "<=", ">=", "&&", "||", "->",
+                                               "+=", "-=", "*=", "/=", "%=", "^="};
   std::size_t length = 0;
   for (std::string_view pair : pairs)
     if (text_.substr(start, 2) == pair) length = 2;

@@ -9,7 +9,7 @@ namespace meristem {
 struct Token {
   enum class Kind { End, Number, Name, Symbol };
   Kind kind = Kind::End;
-  std::string_view text;    // of a Name without its $; of a Symbol one or two characters
+  std::string_view text;  // of a Name without its $; of a Symbol one or two characters
   float number = 0;
   std::size_t offset = 0, length = 0;
 

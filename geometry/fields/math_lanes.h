@@ -1,7 +1,7 @@
 // Elementary functions over lanes, computed in double by argument reduction and power series and rounded to float once:
-// the error is below 0.51 ulp of the float result wherever the result is not clamped (tests/geometry/fields/functions
+// the error is below 0.51 ulp of the float result wherever the result is not clamped (tests/geometry/fields/values_test
 // measures it). Total: arguments outside of a function's domain are clamped to it (docs/expressions.md).
-// Only for the kernel_*.cpp files.
+// Only for the kernels_*.cpp files.
 #pragma once
 
 #include "geometry/fields/lanes.h"
@@ -41,7 +41,8 @@ MERISTEM_INLINE D series(D s, double a, double b, double c, double d, double e, 
   return (a + b * s) + q * ((c + d * s) + q * (e + f * s));
 }
 MERISTEM_INLINE D sin_series(D r) {
-  return r + r * (r * r) * series(r * r, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800, 1.0 / 6227020800);
+  return r +
+         r * (r * r) * series(r * r, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800, 1.0 / 6227020800);
 }
 MERISTEM_INLINE D cos_series(D r) {
   return 1.0 + (r * r) * series(r * r, -0.5, 1.0 / 24, -1.0 / 720, 1.0 / 40320, -1.0 / 3628800, 1.0 / 479001600);
@@ -83,7 +84,8 @@ MERISTEM_INLINE D logarithm(D a) {
   const D m = D((above & (L{} + 0xfffffffffffff)) + root_half);
   const D s = (m - 1.0) / (m + 1.0), q = s * s;
   const D q3 = q * q * q;
-  const D tail = series(q, 1.0 / 3, 1.0 / 5, 1.0 / 7, 1.0 / 9, 1.0 / 11, 1.0 / 13) + q3 * q3 * (1.0 / 15 + q * (1.0 / 17));
+  const D tail =
+      series(q, 1.0 / 3, 1.0 / 5, 1.0 / 7, 1.0 / 9, 1.0 / 11, 1.0 / 13) + q3 * q3 * (1.0 / 15 + q * (1.0 / 17));
   return k * ln2 + (2.0 * s + 2.0 * s * q * tail);
 }
 
@@ -106,7 +108,12 @@ MERISTEM_INLINE D arc_tangent(D a) {
   const L turned = L(b > twelfth);
   const D c = blend(b, (root3 * b - 1.0) / (root3 + b), turned);
   const D s = c * c;
-  D value = c + c * s * (-1.0 / 3 + s * (1.0 / 5 + s * (-1.0 / 7 + s * (1.0 / 9 + s * (-1.0 / 11 + s * (1.0 / 13 + s * (-1.0 / 15 + s * (1.0 / 17))))))));
+  D value =
+      c +
+      c * s *
+          (-1.0 / 3 +
+           s * (1.0 / 5 +
+                s * (-1.0 / 7 + s * (1.0 / 9 + s * (-1.0 / 11 + s * (1.0 / 13 + s * (-1.0 / 15 + s * (1.0 / 17))))))));
   value += D(turned & L(splat(half_pi / 3)));
   return copy_sign(blend(value, half_pi - value, inverted), a);
 }

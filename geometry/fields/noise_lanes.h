@@ -1,8 +1,9 @@
-// The noises of the expression language over lanes. docs/expressions.md specifies them exactly: same text, same numbers.
+// The noises of the expression language over lanes. docs/expressions.md specifies them exactly: same text, same
+// numbers.
 //
 // Gradient noise after Perlin 2002 ("Improving Noise": quintic fade). The gradient of a lattice point is not one of a
 // few but any point of a cube, from an integer hash: no table, and no gradient comes twice.
-// Only for the kernel_*.cpp files.
+// Only for the kernels_*.cpp files.
 #pragma once
 
 #include "geometry/fields/lanes.h"
@@ -19,7 +20,9 @@ struct Point {
 
 // Beyond 2^23 every float is a lattice point and the noise is 0; the clamp keeps all arithmetic finite.
 MERISTEM_INLINE F clamp_coordinate(F a) { return clamp(a, splat(-0x1p24f), splat(0x1p24f)); }
-MERISTEM_INLINE Point clamp_point(Point p) { return {clamp_coordinate(p.x), clamp_coordinate(p.y), clamp_coordinate(p.z)}; }
+MERISTEM_INLINE Point clamp_point(Point p) {
+  return {clamp_coordinate(p.x), clamp_coordinate(p.y), clamp_coordinate(p.z)};
+}
 
 MERISTEM_INLINE F fade(F t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); }
 
@@ -108,7 +111,7 @@ MERISTEM_INLINE void visit_feature(Features& f, Point local, F jitter, U h, F i,
   const F dx = q.x - local.x, dy = q.y - local.y, dz = q.z - local.z;
   const F d = dx * dx + dy * dy + dz * dz;
   const I first = I(d < f.distance1), second = I(d < f.distance2);
-  auto insert = [&](F& nearest, F& next, F value) __attribute__((always_inline)) {
+  auto insert = [&](F & nearest, F & next, F value) __attribute__((always_inline)) {
     next = blend(blend(next, value, second), nearest, first);
     nearest = blend(nearest, value, first);
   };

@@ -16,8 +16,9 @@ namespace meristem {
 #define MERISTEM_TERNARY_OPS(X) X(Select) X(Mix)
 // The others: their operands are the components of all arguments in order.
 #define MERISTEM_OTHER_OPS(X) \
-  X(Dot) X(Length) X(Cross) X(Norm) X(Rotate) X(Noise) X(VectorNoise) X(Fbm) X(VectorFbm) X(Turbulence) X(VectorTurbulence) \
-  X(CellNoise) X(CellColor) X(Voronoi) X(VoronoiPosition) X(VoronoiColor) X(Rand) X(Hash) X(Spline) X(Curve)
+  X(Dot) X(Length) X(Cross) X(Norm) X(Rotate) X(Noise) X(VectorNoise) X(Fbm) X(VectorFbm) X(Turbulence) \
+  X(VectorTurbulence) X(CellNoise) X(CellColor) X(Voronoi) X(VoronoiPosition) X(VoronoiColor) X(Rand) X(Hash) \
+  X(Spline) X(Curve)
 #define MERISTEM_OPS(X) MERISTEM_UNARY_OPS(X) MERISTEM_BINARY_OPS(X) MERISTEM_TERNARY_OPS(X) MERISTEM_OTHER_OPS(X)
 // clang-format on
 
@@ -26,7 +27,10 @@ enum class Op : std::uint8_t {
   MERISTEM_OPS(X)
 #undef X
   // These need no kernel.
-  Constant, Input, Component, MakeVector,
+  Constant,
+  Input,
+  Component,
+  MakeVector,
 };
 
 constexpr std::size_t kernel_count = std::size_t(Op::Constant);

@@ -29,10 +29,9 @@ struct BinaryOperator {
   Op op;
 };
 constexpr BinaryOperator binary_operators[] = {
-    {"||", 1, Op::Or},         {"&&", 2, Op::And},       {"==", 3, Op::Equal}, {"!=", 3, Op::Equal},
-    {"<", 4, Op::Less},        {">", 4, Op::Less},       {"<=", 4, Op::LessEqual}, {">=", 4, Op::LessEqual},
-    {"+", 5, Op::Add},         {"-", 5, Op::Sub},        {"*", 6, Op::Mul},    {"/", 6, Op::Div},
-    {"%", 6, Op::Mod},         {"^", 7, Op::Pow}};
+    {"||", 1, Op::Or},  {"&&", 2, Op::And},       {"==", 3, Op::Equal},     {"!=", 3, Op::Equal}, {"<", 4, Op::Less},
+    {">", 4, Op::Less}, {"<=", 4, Op::LessEqual}, {">=", 4, Op::LessEqual}, {"+", 5, Op::Add},    {"-", 5, Op::Sub},
+    {"*", 6, Op::Mul},  {"/", 6, Op::Div},        {"%", 6, Op::Mod},        {"^", 7, Op::Pow}};
 constexpr int arithmetic_precedence = 5;
 constexpr int lowest_precedence = 1;
 
@@ -40,9 +39,12 @@ constexpr int lowest_precedence = 1;
 struct Arity {
   explicit Arity(std::string_view letters) {
     for (char c : letters) {
-      if (c == ';') optional = true;
-      else if (c == '*') repeat_from = int(kinds.size());
-      else kinds.push_back(c);
+      if (c == ';')
+        optional = true;
+      else if (c == '*')
+        repeat_from = int(kinds.size());
+      else
+        kinds.push_back(c);
       if (!optional) least = int(kinds.size());
     }
   }
@@ -83,7 +85,8 @@ class Parser final : public CallContext {
       const NodeId node = typed_result(result, wanted);
       return {std::move(graph_), node};
     } catch (const Graph::TooLarge&) {
-      throw ExpressionError(fmt::format("the expression has more than {} operations", Graph::max_nodes), token_.offset, token_.length);
+      throw ExpressionError(fmt::format("the expression has more than {} operations", Graph::max_nodes), token_.offset,
+                            token_.length);
     }
   }
 
@@ -121,12 +124,13 @@ class Parser final : public CallContext {
   [[noreturn]] static void fail_at(const Operand& o, const std::string& message) {
     throw ExpressionError(message, o.begin, o.end - o.begin);
   }
-  [[noreturn]] static void fail_unknown(const char* what, const Token& name, const std::vector<std::string>& known, bool list_them) {
+  [[noreturn]] static void fail_unknown(const char* what, const Token& name, const std::vector<std::string>& known,
+                                        const std::vector<std::string>& listed) {
     std::string message = fmt::format("unknown {} \"{}\"", what, name.text);
     if (const std::string_view nearest = nearest_name(name.text, known); !nearest.empty())
       message += fmt::format("; did you mean \"{}\"?", nearest);
-    else if (list_them && !known.empty())
-      message += fmt::format("; known: {}", fmt::join(known, ", "));
+    else if (!listed.empty())
+      message += fmt::format("; known: {}", fmt::join(listed, ", "));
     throw ExpressionError(message, name.offset, name.length);
   }
 
@@ -199,12 +203,15 @@ class Parser final : public CallContext {
     for (; undo_.size() > mark; undo_.pop_back()) {
       const auto& [name, old] = undo_.back();
       assigned.emplace(name, locals_.at(name));
-      if (old < 0) locals_.erase(name);
-      else locals_[name] = old;
+      if (old < 0)
+        locals_.erase(name);
+      else
+        locals_[name] = old;
     }
     return assigned;
   }
-  // Both branches are evaluated; a variable then has the value of the branch taken. One that only one branch knows is unknown after it.
+  // Both branches are evaluated; a variable then has the value of the branch taken. One that only one branch knows is
+  // unknown after it.
   void if_statement() {
     const Level level(*this);
     const Token word = take();
@@ -225,16 +232,16 @@ class Parser final : public CallContext {
     }
     merge(condition, then, otherwise, Operand{0, word.offset, word.offset + word.length});
   }
-  void merge(const Operand& condition, const std::map<std::string, NodeId>& then, const std::map<std::string, NodeId>& otherwise,
-             const Operand& word) {
+  void merge(const Operand& condition, const std::map<std::string, NodeId>& then,
+             const std::map<std::string, NodeId>& otherwise, const Operand& word) {
     auto names = then;
     names.insert(otherwise.begin(), otherwise.end());
     for (const auto& [name, unused] : names) {
       const NodeId a = value_in(then, name), b = value_in(otherwise, name);
       if (a < 0 || b < 0) continue;
       if (graph_.is_vector(a) != graph_.is_vector(b))
-        fail_at(word, fmt::format("\"{}\" is {} in one branch and {} in the other", name, type_name(graph_.is_vector(a)),
-                                  type_name(graph_.is_vector(b))));
+        fail_at(word, fmt::format("\"{}\" is {} in one branch and {} in the other", name,
+                                  type_name(graph_.is_vector(a)), type_name(graph_.is_vector(b))));
       assign(name, graph_.make(Op::Select, {condition.node, a, b}));
     }
   }
@@ -253,13 +260,14 @@ class Parser final : public CallContext {
   }
   NodeId variable(const Token& name) {
     if (const NodeId value = known_value(name.text); value >= 0) return value;
-    std::vector<std::string> known;
-    for (int i = 0; i < symbols_.size(); ++i) known.push_back(symbols_.name(i));
+    if (const Builtin* function = find_builtin(name.text))
+      throw ExpressionError(fmt::format("\"{}\" is a function: {}", name.text, function->info.signature), name.offset,
+                            name.length);
+    std::vector<std::string> inputs;
+    for (int i = 0; i < symbols_.size(); ++i) inputs.push_back(symbols_.name(i));
+    std::vector<std::string> known = inputs;
     for (const auto& [local, unused] : locals_) known.push_back(local);
-    if (find_builtin(name.text)) {
-      throw ExpressionError(fmt::format("\"{}\" is a function: {}", name.text, find_builtin(name.text)->info.signature), name.offset, name.length);
-    }
-    fail_unknown("variable", name, known, true);
+    fail_unknown("variable", name, known, inputs);
   }
 
   Operand scalar(const Operand& o, const char* what) const {
@@ -268,7 +276,8 @@ class Parser final : public CallContext {
   }
   NodeId typed_result(const Operand& o, ValueType wanted) {
     if (wanted == ValueType::Vector) return graph_.to_vector(o.node);
-    if (graph_.is_vector(o.node)) fail_at(o, "the result must be a scalar, not a vector; one component is v[0], the length is length(v)");
+    if (graph_.is_vector(o.node))
+      fail_at(o, "the result must be a scalar, not a vector; one component is v[0], the length is length(v)");
     return o.node;
   }
 
@@ -300,8 +309,9 @@ class Parser final : public CallContext {
   Operand binary_chain(int least) {
     Operand left = unary();
     for (;;) {
-      const auto* found = token_.kind == Token::Kind::Symbol ? std::ranges::find(binary_operators, token_.text, &BinaryOperator::symbol)
-                                                              : std::end(binary_operators);
+      const auto* found = token_.kind == Token::Kind::Symbol
+                              ? std::ranges::find(binary_operators, token_.text, &BinaryOperator::symbol)
+                              : std::end(binary_operators);
       if (found == std::end(binary_operators) || found->precedence < least || found->op == Op::Pow) return left;
       advance();
       left = binary(*found, left, binary_chain(found->precedence + 1));
@@ -377,7 +387,8 @@ class Parser final : public CallContext {
     fail_at_token("expected a value");
   }
   void close(std::string_view symbol, std::size_t opened, const char* what) {
-    if (!token_.is(symbol)) fail_at_token(fmt::format("expected '{}' for the {} at column {}", symbol, what, opened + 1));
+    if (!token_.is(symbol))
+      fail_at_token(fmt::format("expected '{}' for the {} at column {}", symbol, what, opened + 1));
     advance();
   }
   Operand vector_literal() {
@@ -394,7 +405,7 @@ class Parser final : public CallContext {
   // Calls. `first` is what stands before "->".
   Operand call(const Token& name, const Operand* first) {
     const Builtin* function = find_builtin(name.text);
-    if (!function) fail_unknown("function", name, builtin_names(), false);
+    if (!function) fail_unknown("function", name, builtin_names(), {});
     std::vector<Operand> arguments;
     if (first) arguments.push_back(*first);
     parse_arguments(name, arguments);
@@ -419,16 +430,19 @@ class Parser final : public CallContext {
   void check(const Builtin& function, const Token& name, const std::vector<Operand>& arguments) {
     const Arity arity(function.arguments);
     if (!arity.accepts(int(arguments.size())))
-      throw ExpressionError(fmt::format("{} takes {}, not {}: {}", name.text, arity.described(), arguments.size(), function.info.signature),
+      throw ExpressionError(fmt::format("{} takes {}, not {}: {}", name.text, arity.described(), arguments.size(),
+                                        function.info.signature),
                             name.offset, name.length);
     for (std::size_t i = 0; i < arguments.size(); ++i) check_type(function, arguments[i], i, arity.kind(int(i)));
   }
   void check_type(const Builtin& function, const Operand& argument, std::size_t index, char kind) {
     const bool vector = graph_.is_vector(argument.node);
     if ((kind == 's' || kind == 'k') && vector)
-      fail_at(argument, fmt::format("argument {} must be a scalar, not a vector: {}", index + 1, function.info.signature));
+      fail_at(argument,
+              fmt::format("argument {} must be a scalar, not a vector: {}", index + 1, function.info.signature));
     if ((kind == 'v' || kind == 'm') && !vector)
-      fail_at(argument, fmt::format("argument {} must be a vector, not a scalar: {}", index + 1, function.info.signature));
+      fail_at(argument,
+              fmt::format("argument {} must be a vector, not a scalar: {}", index + 1, function.info.signature));
     if ((kind == 'k' || kind == 'm') && !graph_.is_constant(argument.node))
       fail_at(argument, fmt::format("argument {} must be a constant: {}", index + 1, function.info.signature));
   }
@@ -450,7 +464,8 @@ class Parser final : public CallContext {
 
 ParsedExpression parse_expression(std::string_view text, const Symbols& symbols, ValueType wanted) {
   if (text.size() > max_expression_bytes)
-    throw ExpressionError(fmt::format("the expression is longer than {} bytes", max_expression_bytes), max_expression_bytes, 1);
+    throw ExpressionError(fmt::format("the expression is longer than {} bytes", max_expression_bytes),
+                          max_expression_bytes, 1);
   return Parser(text, symbols).run(wanted);
 }
 

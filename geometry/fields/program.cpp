@@ -11,10 +11,13 @@ namespace meristem {
 
 namespace {
 
-// Denormals are flushed and rounding is to nearest while it lives, whatever the caller's mode: same bits on every thread.
+// Denormals are flushed and rounding is to nearest while it lives, whatever the caller's mode: same bits on every
+// thread.
 class FloatMode {
  public:
-  FloatMode() : saved_(_mm_getcsr()) { _mm_setcsr(0x9fc0); }  // all exceptions masked, flush to zero, denormals are zero
+  FloatMode() : saved_(_mm_getcsr()) {
+    _mm_setcsr(0x9fc0);
+  }  // all exceptions masked, flush to zero, denormals are zero
   ~FloatMode() { _mm_setcsr(saved_); }
   FloatMode(const FloatMode&) = delete;
   FloatMode& operator=(const FloatMode&) = delete;
@@ -45,7 +48,7 @@ struct Program::Scratch {
     Op op;
   };
   std::vector<float> registers;
-  std::vector<float> uniforms;   // lane_group equal floats: constants, then inputs, then values
+  std::vector<float> uniforms;  // lane_group equal floats: constants, then inputs, then values
   std::vector<Operand> operands;
   std::vector<Call> calls;
   std::vector<std::uint8_t> uniform_input, uniform_value;
@@ -201,13 +204,15 @@ struct Program::Bindings {
 
   bool is_uniform(const Source& source) const {
     if (source.kind == Source::Kind::Constant) return true;
-    return source.kind == Source::Kind::Input ? uniform_input[std::size_t(source.index)] : uniform_value[std::size_t(source.index)];
+    return source.kind == Source::Kind::Input ? uniform_input[std::size_t(source.index)]
+                                              : uniform_value[std::size_t(source.index)];
   }
   Operand operand(const Source& source) {
     const std::size_t i = std::size_t(source.index);
     if (source.kind == Source::Kind::Constant) return {uniform_slot(i), 0};
     if (source.kind == Source::Kind::Input)
-      return uniform_input[i] ? Operand{uniform_slot(p.constants_.size() + i), 0} : Operand{register_of(p.inputs_[i].register_index), -1};
+      return uniform_input[i] ? Operand{uniform_slot(p.constants_.size() + i), 0}
+                              : Operand{register_of(p.inputs_[i].register_index), -1};
     return uniform_value[i] ? Operand{uniform_value_slot(i), 0} : Operand{register_of(p.value_registers_[i]), -1};
   }
 
@@ -224,7 +229,8 @@ struct Program::Bindings {
     for (int k = 0; k < in.value_count; ++k) {
       const std::size_t value = std::size_t(in.first_value + k);
       uniform_value[value] = uniform;
-      call.kernel_call.out[std::size_t(k)] = uniform ? uniform_value_slot(value) : register_of(p.value_registers_[value]);
+      call.kernel_call.out[std::size_t(k)] =
+          uniform ? uniform_value_slot(value) : register_of(p.value_registers_[value]);
     }
     return call;
   }
@@ -244,9 +250,12 @@ void Program::run(const KernelTable& kernels, const Block& block, float* x, floa
   for (const Instruction& in : instructions_) {
     bool uniform = false;
     const Scratch::Call call = bindings.bind(in, block.keys != nullptr, uniform);
-    if (!uniform) scratch.calls.push_back(call);
-    else if (in.op == Op::Rand) run_rand(call.kernel_call, nullptr, block.salt, 1, lane_group);
-    else kernels.functions[std::size_t(in.op)](call.kernel_call, lane_group);
+    if (!uniform)
+      scratch.calls.push_back(call);
+    else if (in.op == Op::Rand)
+      run_rand(call.kernel_call, nullptr, block.salt, 1, lane_group);
+    else
+      kernels.functions[std::size_t(in.op)](call.kernel_call, lane_group);
   }
   const std::array<float*, 3> out{x, y, z};
   for (int start = 0; start < block.count; start += run_lanes) {
@@ -255,8 +264,10 @@ void Program::run(const KernelTable& kernels, const Block& block, float* x, floa
     run_calls(kernels, block, scratch, start, count);
     for (int c = 0; c < result_components_; ++c) {
       const Operand from = bindings.operand(result_[std::size_t(c)]);
-      if (from.step_mask) std::memcpy(out[std::size_t(c)] + start, from.data, std::size_t(count) * sizeof(float));
-      else std::fill_n(out[std::size_t(c)] + start, count, *from.data);
+      if (from.step_mask)
+        std::memcpy(out[std::size_t(c)] + start, from.data, std::size_t(count) * sizeof(float));
+      else
+        std::fill_n(out[std::size_t(c)] + start, count, *from.data);
     }
   }
 }
@@ -273,11 +284,14 @@ void Program::load_inputs(Bindings& bindings, const Block& block, int start, int
   }
 }
 
-void Program::run_calls(const KernelTable& kernels, const Block& block, const Scratch& scratch, int start, int count) const {
+void Program::run_calls(const KernelTable& kernels, const Block& block, const Scratch& scratch, int start,
+                        int count) const {
   const int lanes = padded(count);
   for (const Scratch::Call& call : scratch.calls) {
-    if (call.op == Op::Rand) run_rand(call.kernel_call, block.keys ? block.keys + start : nullptr, block.salt, count, lanes);
-    else kernels.functions[std::size_t(call.op)](call.kernel_call, lanes);
+    if (call.op == Op::Rand)
+      run_rand(call.kernel_call, block.keys ? block.keys + start : nullptr, block.salt, count, lanes);
+    else
+      kernels.functions[std::size_t(call.op)](call.kernel_call, lanes);
   }
 }
 

@@ -1,6 +1,6 @@
 // Program: a graph as a list of kernel calls over registers, run over blocks of points in runs of `run_lanes`.
-// Only what the result needs is in it, component by component. What depends on uniform inputs alone is done once a block.
-// Immutable; any thread may run it. Registers are per thread and grow to the largest program run.
+// Only what the result needs is in it, component by component. What depends on uniform inputs alone is done once a
+// block. Immutable; any thread may run it. Registers are per thread and grow to the largest program run.
 #pragma once
 
 #include "geometry/fields/graph.h"

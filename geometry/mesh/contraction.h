@@ -14,6 +14,9 @@ namespace meristem {
 // coefficients of the difference; edges from an edge point to a face point are at most 1/2 long.
 double smoothing_contraction(const Adjacency& adjacency, std::uint32_t v);
 
+// The same for a vertex inside, with `valence` quads around it and no creases.
+double smooth_contraction(std::uint32_t valence);
+
 // The same for vertices with any faces around them, known only by valence.
 double general_contraction(std::uint32_t valence);
 

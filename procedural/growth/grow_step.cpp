@@ -290,7 +290,7 @@ void GrowStep::add_growth(const Production& p, const SymbolRange& parent, const 
   const double slack = 2 * quantum_.step() + 1e-12 * size;
   after.box.extend(before.box.inflated(Vec3d(reach.distance + slack)));
   after.edge = std::max(after.edge, reach.edge + 2 * slack);
-  after.contraction = std::max(after.contraction, 1.0);  // new irregular vertices may arise
+  after.forget_shape();
   after.u = hull(after.u, with_margin(reach.u));
   after.v = hull(after.v, with_margin(reach.v));
   for (std::size_t name = 0; name < reach.face_radius.size(); ++name) {

@@ -115,14 +115,10 @@ void SubdivideStep::place_vertices(const RefinePlan& plan, const RefinedMesh& re
 
 Extent SubdivideStep::bound(const Extent& e) const {
   Extent after = e;
-  after.contraction = e.next_contraction;
-  after.edge = e.edge * e.contraction;
-  if (!settings_.place) return after;
-
-  // Diagonals of the new faces: edges from edge points to face points are at most half an edge before (a whole one where
-  // faces are not quads, which have contraction above 1), the others at most `contraction` of it.
-  const double half = e.contraction > worst_contraction ? 1.0 : 0.5;
-  const double scale = (3 * half + e.contraction) / 2 * e.edge;
+  if (!settings_.place) {
+    after.refine(0);
+    return after;
+  }
   std::array<IntervalValue, slot_count> inputs{};
   auto interval = [](double lower, double upper) { return Interval{std::nextafterf(float(lower), -INFINITY), std::nextafterf(float(upper), INFINITY)}; };
   inputs[slot_p] = {interval(e.box.lower.x, e.box.upper.x), interval(e.box.lower.y, e.box.upper.y), interval(e.box.lower.z, e.box.upper.z),
@@ -131,7 +127,7 @@ Extent SubdivideStep::bound(const Extent& e) const {
     constexpr float one = 1.0f + 1e-6f;
     inputs[s] = {{-one, one}, {-one, one}, {-one, one}, one};
   }
-  inputs[slot_scale] = IntervalValue::scalar(0, interval(0, scale).upper);
+  inputs[slot_scale] = IntervalValue::scalar(0, interval(0, e.refined_scale()).upper);
   inputs[slot_u].x = e.u;
   inputs[slot_v].x = e.v;
   inputs[slot_level] = IntervalValue::scalar(float(settings_.level), float(settings_.level));
@@ -141,7 +137,7 @@ Extent SubdivideStep::bound(const Extent& e) const {
   const Vec3d reach{largest(offset.x), largest(offset.y), largest(offset.z)};
   after.box.lower += min(Vec3d{offset.x.lower, offset.y.lower, offset.z.lower}, Vec3d{});
   after.box.upper += max(Vec3d{offset.x.upper, offset.y.upper, offset.z.upper}, Vec3d{});
-  after.edge += 2 * std::min(length(reach), double(offset.max_length));
+  after.refine(std::min(length(reach), double(offset.max_length)));
   return after;
 }
 

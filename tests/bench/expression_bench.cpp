@@ -28,9 +28,12 @@ struct PlainNoise {
   static float at(Vec3f p) {
     const float fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
     const float x = p.x - fx, y = p.y - fy, z = p.z - fz;
-    const std::uint32_t hx[2] = {std::uint32_t(int(fx)) * 0xd1342543u, std::uint32_t(int(fx)) * 0xd1342543u + 0xd1342543u};
-    const std::uint32_t hy[2] = {std::uint32_t(int(fy)) * 0xde82ef95u, std::uint32_t(int(fy)) * 0xde82ef95u + 0xde82ef95u};
-    const std::uint32_t hz[2] = {std::uint32_t(int(fz)) * 0xa24baed5u, std::uint32_t(int(fz)) * 0xa24baed5u + 0xa24baed5u};
+    const std::uint32_t hx[2] = {std::uint32_t(int(fx)) * 0xd1342543u,
+                                 std::uint32_t(int(fx)) * 0xd1342543u + 0xd1342543u};
+    const std::uint32_t hy[2] = {std::uint32_t(int(fy)) * 0xde82ef95u,
+                                 std::uint32_t(int(fy)) * 0xde82ef95u + 0xde82ef95u};
+    const std::uint32_t hz[2] = {std::uint32_t(int(fz)) * 0xa24baed5u,
+                                 std::uint32_t(int(fz)) * 0xa24baed5u + 0xa24baed5u};
     const float u = fade(x), v = fade(y), w = fade(z);
     float planes[2];
     for (int k = 0; k < 2; ++k) {
@@ -109,7 +112,8 @@ void compare(std::vector<Contender> contenders, std::size_t points, int rounds) 
   for (int r = 0; r < rounds; ++r)
     for (Contender& c : contenders) c.times.push_back(nanoseconds(c.work, points));
   for (Contender& c : contenders)
-    std::printf("  %-28s %8.2f ns a point (median), %8.2f (best)\n", c.name, median(c.times), *std::ranges::min_element(c.times));
+    std::printf("  %-28s %8.2f ns a point (median), %8.2f (best)\n", c.name, median(c.times),
+                *std::ranges::min_element(c.times));
 }
 
 void bark() {
@@ -118,13 +122,16 @@ void bark() {
   const auto parsed = parse_expression("0.6*scale*N*(abs(sin(8*PI*u)) + 0.3*fbm(6*P))", symbols, ValueType::Vector);
   const Program program(parsed.graph, parsed.result);
   const auto& c = v.columns;
-  const std::vector<Input> inputs{{c[0].data(), c[1].data(), c[2].data(), 1}, {c[3].data(), c[4].data(), c[5].data(), 1},
-                                  {c[6].data(), nullptr, nullptr, 1}, {c[7].data(), nullptr, nullptr, 1}};
+  const std::vector<Input> inputs{{c[0].data(), c[1].data(), c[2].data(), 1},
+                                  {c[3].data(), c[4].data(), c[5].data(), 1},
+                                  {c[6].data(), nullptr, nullptr, 1},
+                                  {c[7].data(), nullptr, nullptr, 1}};
   auto by = [&](const KernelTable& kernels) {
     return [&] { program.run(kernels, {int(c[0].size()), inputs}, v.out[0].data(), v.out[1].data(), v.out[2].data()); };
   };
   std::printf("0.6*scale*N*(abs(sin(8*PI*u)) + 0.3*fbm(6*P)), %zu vertices\n", c[0].size());
-  std::vector<Contender> contenders{{"plain C++", [&] { plain(v); }, {}}, {baseline_kernels().name, by(baseline_kernels()), {}}};
+  std::vector<Contender> contenders{{"plain C++", [&] { plain(v); }, {}},
+                                    {baseline_kernels().name, by(baseline_kernels()), {}}};
   if (avx2_supported()) contenders.push_back({avx2_kernels().name, by(avx2_kernels()), {}});
   compare(std::move(contenders), c[0].size(), 101);
 }
@@ -133,16 +140,22 @@ void single_functions() {
   Vertices v(16384);
   const Symbols symbols = bark_symbols();
   const auto& c = v.columns;
-  const std::vector<Input> inputs{{c[0].data(), c[1].data(), c[2].data(), 1}, {c[3].data(), c[4].data(), c[5].data(), 1},
-                                  {c[6].data(), nullptr, nullptr, 1}, {c[7].data(), nullptr, nullptr, 1}};
+  const std::vector<Input> inputs{{c[0].data(), c[1].data(), c[2].data(), 1},
+                                  {c[3].data(), c[4].data(), c[5].data(), 1},
+                                  {c[6].data(), nullptr, nullptr, 1},
+                                  {c[7].data(), nullptr, nullptr, 1}};
   std::printf("single functions, %s\n", best_kernels().name);
   std::vector<std::shared_ptr<const Expression>> expressions;
   std::vector<Contender> contenders;
-  for (const char* text : {"u + scale", "sin(u)", "exp(u)", "pow(abs(u), scale)", "snoise(6*P)", "vnoise(6*P)", "fbm(6*P)", "voronoi(6*P)", "rand()", "norm(P)"}) {
+  for (const char* text : {"u + scale", "sin(u)", "exp(u)", "pow(abs(u), scale)", "snoise(6*P)", "vnoise(6*P)",
+                           "fbm(6*P)", "voronoi(6*P)", "rand()", "norm(P)"}) {
     const auto e = Expression::compile(text, symbols, ValueType::Vector);
-    contenders.push_back({text, [&v, &inputs, e] {
-      e->evaluate({int(v.columns[0].size()), inputs}, v.out[0].data(), v.out[1].data(), v.out[2].data());
-    }, {}});
+    contenders.push_back(
+        {text,
+         [&v, &inputs, e] {
+           e->evaluate({int(v.columns[0].size()), inputs}, v.out[0].data(), v.out[1].data(), v.out[2].data());
+         },
+         {}});
   }
   compare(std::move(contenders), c[0].size(), 51);
 }
@@ -151,12 +164,21 @@ void one_point_and_bounds() {
   const Symbols symbols = bark_symbols();
   const auto e = Expression::compile("0.6*scale*N*(abs(sin(8*PI*u)) + 0.3*fbm(6*P))", symbols, ValueType::Vector);
   const std::vector<Vec3f> values(4, Vec3f(0.3f));
-  const std::vector<IntervalValue> box{{{0, 1}, {0, 1}, {0, 1}}, IntervalValue::unit_vector(), IntervalValue::scalar(0, 1), IntervalValue::scalar(0, 1)};
+  const std::vector<IntervalValue> box{
+      {{0, 1}, {0, 1}, {0, 1}}, IntervalValue::unit_vector(), IntervalValue::scalar(0, 1), IntervalValue::scalar(0, 1)};
   constexpr std::size_t calls = 2000;
   double sum = 0;
   std::printf("the same, one call a point\n");
-  compare({{"evaluate_vector", [&] { for (std::size_t i = 0; i < calls; ++i) sum += double(e->evaluate_vector(values).x); }, {}},
-           {"evaluate_bounds", [&] { for (std::size_t i = 0; i < calls; ++i) sum += double(e->evaluate_bounds(box).max_length); }, {}}},
+  compare({{"evaluate_vector",
+            [&] {
+              for (std::size_t i = 0; i < calls; ++i) sum += double(e->evaluate_vector(values).x);
+            },
+            {}},
+           {"evaluate_bounds",
+            [&] {
+              for (std::size_t i = 0; i < calls; ++i) sum += double(e->evaluate_bounds(box).max_length);
+            },
+            {}}},
           calls, 21);
   if (!std::isfinite(sum)) std::printf("not finite\n");
 }

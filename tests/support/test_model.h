@@ -34,11 +34,9 @@ class BumpyStep final : public Step {
 
   Extent bound(const Extent& e) const override {
     Extent after = e;
-    const double half = e.contraction > worst_contraction ? 1.0 : 0.5;
-    const double offset = amplitude_ * (3 * half + e.contraction) / 2 * e.edge;
+    const double offset = amplitude_ * e.refined_scale();
     after.box = e.box.inflated(Vec3d(offset));
-    after.edge = e.edge * e.contraction + 2 * offset;
-    after.contraction = e.next_contraction;
+    after.refine(offset);
     return after;
   }
 

@@ -12,16 +12,22 @@ class BoxSampler {
  public:
   explicit BoxSampler(unsigned seed) : random_(seed) {}
 
-  float uniform(float a, float b) { return std::clamp(std::uniform_real_distribution<float>(0, 1)(random_) * (b - a) + a, a, b); }
+  float uniform(float a, float b) {
+    return std::clamp(std::uniform_real_distribution<float>(0, 1)(random_) * (b - a) + a, a, b);
+  }
   Interval interval() {
     static constexpr float sizes[] = {0, 1e-4f, 0.05f, 1, 3, 20};
     static constexpr float centers[] = {0, 0.1f, 1, 5, 100};
-    const float c = uniform(-1, 1) * centers[random_() % std::size(centers)], r = uniform(0, 1) * sizes[random_() % std::size(sizes)];
+    const float c = uniform(-1, 1) * centers[random_() % std::size(centers)],
+                r = uniform(0, 1) * sizes[random_() % std::size(sizes)];
     return {c - r, c + r};
   }
   std::vector<IntervalValue> boxes() {
     std::vector<IntervalValue> list;
-    for (int s = 0; s < 3; ++s) { const Interval i = interval(); list.push_back(IntervalValue::scalar(i.lower, i.upper)); }
+    for (int s = 0; s < 3; ++s) {
+      const Interval i = interval();
+      list.push_back(IntervalValue::scalar(i.lower, i.upper));
+    }
     list.push_back({interval(), interval(), interval()});
     list.push_back(IntervalValue::unit_vector());
     return list;
@@ -47,7 +53,8 @@ class BoxSampler {
   void shorten(Points& p, std::size_t slot, std::size_t i) {
     const Vec3d v{p.columns[slot][0][i], p.columns[slot][1][i], p.columns[slot][2][i]};
     const double l = length(v) * (1 + 1e-7);
-    if (l > 1) for (std::size_t c = 0; c < 3; ++c) p.columns[slot][c][i] = float(v[int(c)] / l);
+    if (l > 1)
+      for (std::size_t c = 0; c < 3; ++c) p.columns[slot][c][i] = float(v[int(c)] / l);
   }
 
   std::mt19937 random_;
@@ -63,8 +70,8 @@ void expect_sound(const std::string& text, BoxSampler& sampler, std::size_t samp
   for (std::size_t i = 0; i < samples; ++i) {
     for (std::size_t c = 0; c < 3; ++c)
       ASSERT_TRUE(r[c][i] >= ranges[c].lower && r[c][i] <= ranges[c].upper)
-          << text << ": " << r[c][i] << " lies outside of [" << ranges[c].lower << ", " << ranges[c].upper << "] at x=" << points.at(i)[0].x
-          << " y=" << points.at(i)[1].x << " z=" << points.at(i)[2].x;
+          << text << ": " << r[c][i] << " lies outside of [" << ranges[c].lower << ", " << ranges[c].upper
+          << "] at x=" << points.at(i)[0].x << " y=" << points.at(i)[1].x << " z=" << points.at(i)[2].x;
     const Vec3d v{r[0][i], r[1][i], r[2][i]};
     ASSERT_LE(length(v), double(bounds.max_length) * (1 + 1e-7)) << text;
   }
@@ -83,7 +90,8 @@ class Generator {
 
   std::string scalar(int depth) {
     static constexpr const char* leaves[] = {"x", "y", "z", "P[0]", "N[2]", "0.5", "2", "rand()", "PI", "-1.5"};
-    static constexpr const char* unary[] = {"sin", "cos", "exp", "abs", "sqrt", "floor", "log", "tanh", "atan", "sign", "cbrt", "noise", "tan", "asin"};
+    static constexpr const char* unary[] = {"sin",  "cos",  "exp",  "abs",  "sqrt",  "floor", "log",
+                                            "tanh", "atan", "sign", "cbrt", "noise", "tan",   "asin"};
     static constexpr const char* binary[] = {"+", "-", "*", "/", "%", "<", "==", "&&"};
     if (depth == 0) return leaves[random_() % std::size(leaves)];
     switch (random_() % 8) {
@@ -153,10 +161,20 @@ TEST(Bounds, AreSharp) {
 }
 
 TEST(Bounds, KnowTheLengthOfVectors) {
-  EXPECT_NEAR(bounds("0.6*x*N*(abs(sin(8*PI*y)) + 0.3*fbm(6*P))", 0, 2, ValueType::Vector).max_length, 0.6 * 2 * (1 + 0.3 * 1.96875), 1e-3);
+  EXPECT_NEAR(bounds("0.6*x*N*(abs(sin(8*PI*y)) + 0.3*fbm(6*P))", 0, 2, ValueType::Vector).max_length,
+              0.6 * 2 * (1 + 0.3 * 1.96875), 1e-3);
   EXPECT_NEAR(bounds("N + 2*N", 0, 1, ValueType::Vector).max_length, 3, 1e-4);
   EXPECT_NEAR(bounds("norm(P)", -9, 9, ValueType::Vector).max_length, 1, 1e-4);
   EXPECT_NEAR(bounds("-N", 0, 1, ValueType::Vector).max_length, 1, 1e-4);
+}
+
+TEST(Bounds, KnowThatDenormalNumbersActAsZero) {
+  for (const char* text : {"x == 0", "floor(x)", "1 / x", "x ? 2 : 3", "x", "sign(x)"})
+    for (float v : {1e-40f, -1e-40f}) {
+      const IntervalValue b = bounds(text, v, v);
+      const float r = value(text, {Vec3f{v, 0, 0}});
+      EXPECT_TRUE(r >= b.x.lower && r <= b.x.upper) << text;
+    }
 }
 
 TEST(Bounds, OfNoisesShrinkWithTheBox) {

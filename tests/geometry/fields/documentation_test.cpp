@@ -17,7 +17,8 @@ TEST(Documentation, ListsEveryFunction) {
   std::stringstream text;
   text << file.rdbuf();
   for (const FunctionInfo& f : expression_functions())
-    EXPECT_NE(text.str().find("| `" + std::string(f.signature) + "` | " + std::string(f.doc) + " |"), std::string::npos) << f.name;
+    EXPECT_NE(text.str().find("| `" + std::string(f.signature) + "` | " + std::string(f.doc) + " |"), std::string::npos)
+        << f.name;
 }
 
 TEST(Documentation, NamesAreUniqueAndTested) {

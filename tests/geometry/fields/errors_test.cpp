@@ -50,7 +50,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"hypot(1, 2*P)", "argument 2 must be a scalar, not a vector: hypot(x, y)", 9, 3},
         Mistake{"fbm(P, x)", "argument 2 must be a constant: fbm(v, octaves=6, lacunarity=2, gain=0.5)", 7, 1},
         Mistake{"fbm(P, 2.5)", "the number of octaves must be a whole number from 1 to 16, not 2.5", 7, 3},
-        Mistake{"x + 2*P", "the result must be a scalar, not a vector; one component is v[0], the length is length(v)", 0, 7},
+        Mistake{"x + 2*P", "the result must be a scalar, not a vector; one component is v[0], the length is length(v)",
+                0, 7},
         Mistake{"x < P", "an operand of '<' must be a scalar, not a vector", 4, 1},
         Mistake{"P ? 1 : 2", "a condition must be a scalar, not a vector", 0, 1},
         Mistake{"x[0]", "only a vector has components; this is a scalar", 0, 1},
@@ -58,11 +59,11 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"[1, 2](3)", "expected ',' between the three components of a vector, not ']'", 5, 1},
         Mistake{"a = 3", "expected ';' after an assignment, not the end of the expression", 5, 1},
         Mistake{"x ? 1", "expected ':' between the two values of '?', not the end of the expression", 5, 1},
-        Mistake{"sin + 1", "\"sin\" is a function: sin(x)", 0, 3},
-        Mistake{"x @ 2", "'@' has no meaning here", 2, 1},
+        Mistake{"sin + 1", "\"sin\" is a function: sin(x)", 0, 3}, Mistake{"x @ 2", "'@' has no meaning here", 2, 1},
         Mistake{"1e99", "the number is too large; the largest is 3.4e38", 0, 4},
         Mistake{"noise(P, 1)", "a noise at a vector takes no further argument", 9, 1},
-        Mistake{"if (x) { a = 1; } else { a = P; } 1", "\"a\" is a scalar in one branch and a vector in the other", 0, 2},
+        Mistake{"if (x) { a = 1; } else { a = P; } 1", "\"a\" is a scalar in one branch and a vector in the other", 0,
+                2},
         Mistake{"if (x) { b = 1; } b", "unknown variable \"b\"; known: x, y, z, P, N", 18, 1},
         Mistake{"", "expected a value, not the end of the expression", 0, 1}));
 
@@ -108,7 +109,10 @@ TEST(Limits, AllowWhatLiesWithin) {
 
 // Pieces of the language thrown together: either an error within the text, or an expression that can be evaluated.
 TEST(Limits, HoldForRandomTexts) {
-  static constexpr const char* pieces[] = {"x", "P", "(", ")", "[", "]", ",", "+", "*", "^", "-", "?", ":", "=", ";", "a", "1", "1e38", "sin(", "fbm(", "noise(", "if", "else", "{", "}", "->", "curve(", "rand(", "0", "#", "\n", "$", "\xff", "E", "==", "&&", "mix("};
+  static constexpr const char* pieces[] = {"x",      "P",  "(",    ")", "[",  "]",  ",",      "+",     "*",    "^",
+                                           "-",      "?",  ":",    "=", ";",  "a",  "1",      "1e38",  "sin(", "fbm(",
+                                           "noise(", "if", "else", "{", "}",  "->", "curve(", "rand(", "0",    "#",
+                                           "\n",     "$",  "\xff", "E", "==", "&&", "mix("};
   std::mt19937 random(17);
   const Points points(9);
   int compiled = 0;

@@ -24,7 +24,8 @@ Results run(const Program& program, const KernelTable& kernels, const Points& po
   for (std::size_t start = 0; start < points.size(); start += piece) {
     const auto inputs = points.inputs(start);
     const int count = int(std::min(piece, points.size() - start));
-    program.run(kernels, {count, inputs, points.keys.data() + start, 77}, r[0].data() + start, r[1].data() + start, r[2].data() + start);
+    program.run(kernels, {count, inputs, points.keys.data() + start, 77}, r[0].data() + start, r[1].data() + start,
+                r[2].data() + start);
   }
   return r;
 }
@@ -80,10 +81,11 @@ TEST(Evaluation, GivesTheSameOnManyThreads) {
   const Results expected = evaluate(*e, points, 3);
   std::array<bool, 4> same{};
   std::vector<std::thread> threads;
-  for (bool& s : same) threads.emplace_back([&] {
-    s = true;
-    for (int i = 0; i < 20; ++i) s = s && same_bits(evaluate(*e, points, 3), expected);
-  });
+  for (bool& s : same)
+    threads.emplace_back([&] {
+      s = true;
+      for (int i = 0; i < 20; ++i) s = s && same_bits(evaluate(*e, points, 3), expected);
+    });
   for (std::thread& t : threads) t.join();
   for (bool s : same) EXPECT_TRUE(s);
 }
@@ -120,7 +122,8 @@ TEST(Compilation, LeavesOutWhatNobodyReads) {
 }
 
 TEST(Compilation, FoldsConstants) {
-  const auto e = Expression::compile("a = [1, 2, 3]; length(a * 2) + sin(PI / 2) + fbm(a)", variables(), ValueType::Scalar);
+  const auto e =
+      Expression::compile("a = [1, 2, 3]; length(a * 2) + sin(PI / 2) + fbm(a)", variables(), ValueType::Scalar);
   EXPECT_TRUE(e->is_constant());
   EXPECT_FALSE(Expression::compile("x * 0", variables(), ValueType::Scalar)->is_constant());
 }

@@ -1,4 +1,5 @@
-// The noises: their specification in plain C++ (docs/expressions.md), range, smoothness, and statistics without a preferred axis.
+// The noises: their specification in plain C++ (docs/expressions.md), range, smoothness, and statistics without a
+// preferred axis.
 #include "geometry/fields/noise_constants.h"
 #include "tests/geometry/fields/expression_support.h"
 
@@ -24,7 +25,8 @@ double reference_noise(Vec3d p, std::uint32_t seed = 0) {
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3d o{double(corner & 1), double(corner >> 1 & 1), double(corner >> 2)}, at = cell + o, d = p - at;
     auto number = [](double v) { return std::uint32_t(std::int32_t(v)); };
-    const std::uint32_t w = (number(at.x) * 0xd1342543u) ^ (number(at.y) * 0xde82ef95u) ^ (number(at.z) * 0xa24baed5u) ^ seed;
+    const std::uint32_t w =
+        (number(at.x) * 0xd1342543u) ^ (number(at.y) * 0xde82ef95u) ^ (number(at.z) * 0xa24baed5u) ^ seed;
     double weight = 1;
     for (int c = 0; c < 3; ++c) weight *= o[c] > 0 ? fade(p[c] - cell[c]) : 1 - fade(p[c] - cell[c]);
     sum += weight * reference_gradient(w, d);
@@ -73,13 +75,17 @@ TEST(Noise, StaysInItsRangeAndUsesIt) {
   for (float v : r[2]) ASSERT_GE(v, 0);
 }
 
-// Mean 0, and the same correlation along the axes, their negatives and, within the noise of a lattice, the diagonals of a plane.
+// Mean 0, and the same correlation along the axes, their negatives and, within the noise of a lattice, the diagonals of
+// a plane.
 TEST(Noise, HasNoPreferredDirection) {
   const std::size_t n = 100000;
   Points points(n, 24, 1000);
   const Results here = evaluate("snoise(P)", points, ValueType::Scalar);
   double mean = 0, variance = 0;
-  for (float v : here[0]) { mean += v / double(n); variance += double(v) * v / double(n); }
+  for (float v : here[0]) {
+    mean += v / double(n);
+    variance += double(v) * v / double(n);
+  }
   EXPECT_NEAR(mean, 0, 0.006);
   std::vector<double> correlations;
   for (Vec3f d : {Vec3f{0.4f, 0, 0}, Vec3f{0, 0.4f, 0}, Vec3f{0, 0, 0.4f}}) {
@@ -100,7 +106,8 @@ TEST(Noise, IsSmoothAcrossCellsAndNotSteeperThanItsBound) {
   const double h = 1e-3;
   Points moved = points;
   for (std::size_t i = 0; i < points.size(); ++i) moved.columns[3][i % 3][i] += float(h);
-  const Results a = evaluate("snoise(P)", points, ValueType::Scalar), b = evaluate("snoise(P)", moved, ValueType::Scalar);
+  const Results a = evaluate("snoise(P)", points, ValueType::Scalar),
+                b = evaluate("snoise(P)", moved, ValueType::Scalar);
   for (std::size_t i = 0; i < points.size(); ++i) ASSERT_LE(std::abs(a[0][i] - b[0][i]), noise_slope * h + 2e-5);
   EXPECT_EQ(value("snoise([3, -2, 7])"), 0);
 }

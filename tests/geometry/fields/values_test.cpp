@@ -179,7 +179,8 @@ TEST(Values, AreDefinedWhereMathematicsIsNot) {
 
 // Whatever finite numbers go in, finite numbers come out.
 TEST(Values, AreAlwaysFinite) {
-  const float special[] = {0, -0.0f, 1, -1, 0.5f, 2, 1e-40f, 1e-38f, 3e38f, -3e38f, 1e30f, -1e20f, 16777216, 2147483648.f, -5e9f, 1e-20f};
+  const float special[] = {0,      -0.0f, 1,      -1,       0.5f,         2,     1e-40f, 1e-38f, 3e38f,
+                           -3e38f, 1e30f, -1e20f, 16777216, 2147483648.f, -5e9f, 1e-20f};
   Points points(4000, 9);
   std::mt19937 random(4);
   for (auto& column : points.columns)
