@@ -1,4 +1,5 @@
-// The Embree device and small owners of its handles. The one folder that includes Embree (3.13; 4 compiles against the same few calls).
+// The Embree device and small owners of its handles. The one folder that includes Embree (3.13; 4 compiles against the
+// same few calls).
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -21,11 +22,12 @@ RTCDevice embree_device();
 // Bytes that Embree says it allocated minus freed on this thread since the last call.
 std::ptrdiff_t take_embree_bytes();
 
-// What a scene with one geometry costs beyond what Embree's monitor reports: 3.5 to 4 KB, by resident set over 10^5 of them.
+// What a scene with one geometry costs beyond what Embree's monitor reports: 3.5 to 4 KB, by resident set over 10^5 of
+// them.
 constexpr std::size_t hidden_scene_bytes = 4096;
 
-// Commits a scene (call inside run_isolated() to build on the calling thread alone); returns the bytes it costs, hidden ones included.
-// Throws std::runtime_error when Embree fails (out of memory).
+// Commits a scene (call inside run_isolated() to build on the calling thread alone); returns the bytes it costs, hidden
+// ones included. Throws std::runtime_error when Embree fails (out of memory).
 std::size_t commit_scene(RTCScene scene);
 
 }  // namespace meristem

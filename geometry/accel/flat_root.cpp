@@ -9,9 +9,12 @@ namespace {
 
 class FlatRoot final : public ModelRoot {
  public:
-  FlatRoot(Tessellation tessellation, Key key) : ModelRoot(tessellation.bounds()), patch_(std::move(tessellation)), key_(key) {}
+  FlatRoot(Tessellation tessellation, Key key)
+      : ModelRoot(tessellation.bounds()), patch_(std::move(tessellation)), key_(key) {}
   void intersect(RayContext& context, RTCRayHit& ray) const override { intersect_patch(patch_, key_, context, ray); }
-  void occluded(RayContext& context, RTCRay& ray) const override { rtcOccluded1(patch_.scene(), &context.embree, &ray); }
+  void occluded(RayContext& context, RTCRay& ray) const override {
+    rtcOccluded1(patch_.scene(), &context.embree, &ray);
+  }
 
  private:
   SurfacePatch patch_;
@@ -25,8 +28,10 @@ void append(Tessellation& all, const Tessellation& part) {
   all.normals.insert(all.normals.end(), part.normals.begin(), part.normals.end());
   all.uv.insert(all.uv.end(), part.uv.begin(), part.uv.end());
   all.origins.insert(all.origins.end(), part.origins.begin(), part.origins.end());
-  for (Tessellation::Grid g : part.grids) all.grids.push_back({g.first_vertex + first_vertex, g.width, g.height, g.origin + first_origin});
-  for (const auto& t : part.triangles) all.triangles.push_back({t[0] + first_vertex, t[1] + first_vertex, t[2] + first_vertex});
+  for (Tessellation::Grid g : part.grids)
+    all.grids.push_back({g.first_vertex + first_vertex, g.width, g.height, g.origin + first_origin});
+  for (const auto& t : part.triangles)
+    all.triangles.push_back({t[0] + first_vertex, t[1] + first_vertex, t[2] + first_vertex});
   for (std::uint32_t o : part.triangle_origins) all.triangle_origins.push_back(o + first_origin);
   all.face_count += part.face_count;
 }
@@ -34,7 +39,8 @@ void append(Tessellation& all, const Tessellation& part) {
 // Expands the tree of cells below one, appending every final surface in the order of the cells.
 class Flattener {
  public:
-  Flattener(const Model& model, ExpansionCounts& counts, int threads) : model_(model), counts_(counts), threads_(threads) {}
+  Flattener(const Model& model, ExpansionCounts& counts, int threads)
+      : model_(model), counts_(counts), threads_(threads) {}
 
   Tessellation flatten(CellMesh cell, int level) {
     const auto start = std::chrono::steady_clock::now();

@@ -15,7 +15,9 @@ class LazyRoot;
 // A resident cell: a surface patch, or child cells behind a scene of their bounds.
 class CellEntry : public CacheEntry {
  public:
-  CellEntry(std::unique_ptr<SurfacePatch> patch, Key key) : patch_(std::move(patch)), key_(key) { bytes = patch_->bytes() + sizeof(*this); }
+  CellEntry(std::unique_ptr<SurfacePatch> patch, Key key) : patch_(std::move(patch)), key_(key) {
+    bytes = patch_->bytes() + sizeof(*this);
+  }
   CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner);
 
   bool is_leaf() const { return patch_ != nullptr; }
@@ -39,11 +41,13 @@ class CellEntry : public CacheEntry {
 Tessellation box_of(const Bounds3f& b, Key key) {
   Tessellation t;
   for (int i = 0; i < 8; ++i) {
-    t.positions.push_back({i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z});
+    t.positions.push_back(
+        {i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z});
     t.normals.push_back(normalize(t.positions.back() - b.center()));
     t.uv.push_back({});
   }
-  t.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  t.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   t.triangle_origins.assign(t.triangles.size(), 0);
   t.origins = {FaceOrigin{.key = key}};
   return t;
@@ -69,7 +73,8 @@ class LazyRoot final : public ModelRoot {
   CellEntry* child(CellEntry& parent, std::size_t index) const {
     return static_cast<CellEntry*>(cache_.acquire(parent.slot(index), &parent, [this, &parent, index] {
       const InnerCell& inner = parent.inner();
-      return make_entry([&] { return child_cell(*model_, inner, index); }, inner.level, inner.child_bounds[index], inner.child_keys[index]);
+      return make_entry([&] { return child_cell(*model_, inner, index); }, inner.level, inner.child_bounds[index],
+                        inner.child_keys[index]);
     }));
   }
 
@@ -158,7 +163,8 @@ CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner)
 
 }  // namespace
 
-std::unique_ptr<ModelRoot> make_lazy_root(std::shared_ptr<const Model> model, GeometryCache& cache, ExpansionCounts& counts) {
+std::unique_ptr<ModelRoot> make_lazy_root(std::shared_ptr<const Model> model, GeometryCache& cache,
+                                          ExpansionCounts& counts) {
   return std::make_unique<LazyRoot>(std::move(model), cache, counts);
 }
 
@@ -174,7 +180,8 @@ void expand_everything(const ModelRoot& lazy_root, int threads) {
     std::vector<CellEntry*> next(children.size());
     std::atomic<std::size_t> counter{0};
     run_threads(threads, [&](int) {
-      for (std::size_t i; (i = counter.fetch_add(1)) < children.size();) next[i] = root.child(*children[i].first, children[i].second);
+      for (std::size_t i; (i = counter.fetch_add(1)) < children.size();)
+        next[i] = root.child(*children[i].first, children[i].second);
     });
     generation = std::move(next);
   }

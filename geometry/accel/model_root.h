@@ -17,7 +17,7 @@ struct RayContext {
   const SurfacePatch* patch = nullptr;  // what the nearest hit so far lies on
   Key patch_key = 0;                    // of its cell: decides ties
   int patch_object = -1;
-  int object = -1;                      // being traced
+  int object = -1;  // being traced
 };
 
 // What expansion did, by level of the model. Touched by expansions only.
@@ -31,7 +31,7 @@ class ExpansionCounts {
   mutable std::mutex mutex_;
   std::uint64_t faces_ = 0;
   double time_s_ = 0;
-  std::vector<StepStatistics> by_step_;   // by name, in order of appearance
+  std::vector<StepStatistics> by_step_;  // by name, in order of appearance
   std::set<std::string> defects_;
 };
 
@@ -53,7 +53,8 @@ class ModelRoot {
 void intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRayHit& ray);
 
 // Cells behind a cache. The cache and the counts outlive the root.
-std::unique_ptr<ModelRoot> make_lazy_root(std::shared_ptr<const Model> model, GeometryCache& cache, ExpansionCounts& counts);
+std::unique_ptr<ModelRoot> make_lazy_root(std::shared_ptr<const Model> model, GeometryCache& cache,
+                                          ExpansionCounts& counts);
 // Expands every cell of a lazy root, on `threads` threads.
 void expand_everything(const ModelRoot& lazy_root, int threads);
 // The whole final mesh as one patch.

@@ -10,7 +10,7 @@ namespace meristem {
 
 struct Ray {
   Vec3f origin;
-  Vec3f direction;     // any length but zero; t is in units of it
+  Vec3f direction;  // any length but zero; t is in units of it
   float t_min = 0;
   float t_max = std::numeric_limits<float>::infinity();
   float time = 0;

@@ -31,7 +31,7 @@ Vec3f on_side_of(Vec3f shading, Vec3f geometric) {
 struct SurfacePatch::Corners {
   std::uint32_t vertices[3];  // counter-clockwise seen from outside
   float weights[3];
-  float extent_error;         // of the weights, for grids: Embree stores u, v over the whole grid
+  float extent_error;  // of the weights, for grids: Embree stores u, v over the whole grid
   std::uint32_t origin;
 };
 
@@ -52,15 +52,15 @@ std::unique_ptr<SurfacePatch> SurfacePatch::make_isolated(Tessellation tessellat
 }
 
 void SurfacePatch::share_vertices(RTCGeometry geometry) {
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, tessellation_.positions.data(), 0, sizeof(Vec3f),
-                             tessellation_.positions.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, tessellation_.positions.data(), 0,
+                             sizeof(Vec3f), tessellation_.positions.size());
 }
 
 void SurfacePatch::attach_grids() {
   RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_GRID);
   share_vertices(geometry);
-  auto* grids = static_cast<RTCGrid*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof(RTCGrid),
-                                                              tessellation_.grids.size()));
+  auto* grids = static_cast<RTCGrid*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID,
+                                                              sizeof(RTCGrid), tessellation_.grids.size()));
   for (const Tessellation::Grid& g : tessellation_.grids) *grids++ = {g.first_vertex, g.width, g.width, g.height};
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene_.get(), geometry, grids_id);
@@ -86,9 +86,11 @@ SurfacePatch::Corners SurfacePatch::triangle_corners(const PatchHit& hit) const 
 SurfacePatch::Corners SurfacePatch::grid_corners(const PatchHit& hit) const {
   const Tessellation::Grid& grid = tessellation_.grids[hit.primitive];
   const float x = hit.u * float(grid.width - 1), y = hit.v * float(grid.height - 1);
-  const std::uint32_t i = std::uint32_t(std::clamp(int(x), 0, grid.width - 2)), j = std::uint32_t(std::clamp(int(y), 0, grid.height - 2));
+  const std::uint32_t i = std::uint32_t(std::clamp(int(x), 0, grid.width - 2)),
+                      j = std::uint32_t(std::clamp(int(y), 0, grid.height - 2));
   const float u = std::clamp(x - float(i), 0.0f, 1.0f), v = std::clamp(y - float(j), 0.0f, 1.0f);
-  const std::uint32_t v00 = grid.first_vertex + j * grid.width + i, v10 = v00 + 1, v01 = v00 + grid.width, v11 = v01 + 1;
+  const std::uint32_t v00 = grid.first_vertex + j * grid.width + i, v10 = v00 + 1, v01 = v00 + grid.width,
+                      v11 = v01 + 1;
   const float error = 4e-7f * float(std::max(grid.width, grid.height));
   if (u + v <= 1) return {{v00, v10, v01}, {1 - u - v, u, v}, error, grid.origin};
   return {{v11, v01, v10}, {u + v - 1, 1 - u, 1 - v}, error, grid.origin};
@@ -98,16 +100,20 @@ SurfaceHit SurfacePatch::surface_at(const PatchHit& patch_hit) const {
   const Corners c = patch_hit.geometry == grids_id ? grid_corners(patch_hit) : triangle_corners(patch_hit);
   const Tessellation& t = tessellation_;
   auto blend = [&](const auto& values) {
-    return values[c.vertices[0]] * c.weights[0] + values[c.vertices[1]] * c.weights[1] + values[c.vertices[2]] * c.weights[2];
+    return values[c.vertices[0]] * c.weights[0] + values[c.vertices[1]] * c.weights[1] +
+           values[c.vertices[2]] * c.weights[2];
   };
-  const Vec3f p0 = t.positions[c.vertices[0]], e1 = t.positions[c.vertices[1]] - p0, e2 = t.positions[c.vertices[2]] - p0;
+  const Vec3f p0 = t.positions[c.vertices[0]], e1 = t.positions[c.vertices[1]] - p0,
+              e2 = t.positions[c.vertices[2]] - p0;
 
   SurfaceHit hit;
   hit.position = blend(t.positions);
-  // Three products and two sums: gamma(5) of the sum of magnitudes (Pharr et al. 2023, sec. 6.8.4), and the error of the weights.
+  // Three products and two sums: gamma(5) of the sum of magnitudes (Pharr et al. 2023, sec. 6.8.4), and the error of
+  // the weights.
   const Vec3f magnitude = abs(p0) + abs(e1) + abs(e2);
   // The last term keeps a floor under it where a coordinate is exactly zero: Embree counts a hit at t = 0.
-  hit.position_error = magnitude * (5 * 0x1p-24f) + (abs(e1) + abs(e2)) * c.extent_error + Vec3f(max_component(magnitude) * 0x1p-24f);
+  hit.position_error =
+      magnitude * (5 * 0x1p-24f) + (abs(e1) + abs(e2)) * c.extent_error + Vec3f(max_component(magnitude) * 0x1p-24f);
   const Vec3f normal = cross(e1, e2);
   hit.shading_normal = blend(t.normals);
   hit.geometric_normal = normalize(normal);
@@ -116,7 +122,8 @@ SurfaceHit SurfacePatch::surface_at(const PatchHit& patch_hit) const {
   const Vec2f uv = blend(t.uv);
   hit.u = uv.x;
   hit.v = uv.y;
-  hit.dpdu = tangent_along_u(e1, e2, t.uv[c.vertices[1]] - t.uv[c.vertices[0]], t.uv[c.vertices[2]] - t.uv[c.vertices[0]]);
+  hit.dpdu =
+      tangent_along_u(e1, e2, t.uv[c.vertices[1]] - t.uv[c.vertices[0]], t.uv[c.vertices[2]] - t.uv[c.vertices[0]]);
   hit.origin = &t.origins[c.origin];
   return hit;
 }

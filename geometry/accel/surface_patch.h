@@ -25,8 +25,8 @@ class SurfacePatch {
   const Tessellation& tessellation() const { return tessellation_; }
   std::size_t bytes() const { return bytes_; }
 
-  // Everything about a hit but t and the object, in the frame of the tessellation. The position comes from the vertices; its error bound
-  // covers the rounding of the interpolation and of the stored u, v.
+  // Everything about a hit but t and the object, in the frame of the tessellation. The position comes from the
+  // vertices; its error bound covers the rounding of the interpolation and of the stored u, v.
   SurfaceHit surface_at(const PatchHit& hit) const;
 
  private:

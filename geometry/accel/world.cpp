@@ -83,7 +83,10 @@ class World final : public Intersector {
  private:
   struct Object {
     Object(const ModelRoot& r, const Affine3d& m)
-        : root(r), to_world(m_float(m)), from_world(m_float(m.inverse())), is_identity(m.is_identity()),
+        : root(r),
+          to_world(m_float(m)),
+          from_world(m_float(m.inverse())),
+          is_identity(m.is_identity()),
           bounds(round_outwards(m.bounds(Bounds3d{Vec3d(r.bounds().lower), Vec3d(r.bounds().upper)}))) {
       if (is_identity) bounds = r.bounds();
     }
@@ -94,7 +97,9 @@ class World final : public Intersector {
       const Vec3f p = hit.position, e = hit.position_error;
       hit.position = to_world.point(p);
       // The error carried over, and that of the product: gamma(4) of the sum of magnitudes.
-      auto magnitudes = [&](Vec3f v) { return abs(to_world.x) * std::abs(v.x) + abs(to_world.y) * std::abs(v.y) + abs(to_world.z) * std::abs(v.z); };
+      auto magnitudes = [&](Vec3f v) {
+        return abs(to_world.x) * std::abs(v.x) + abs(to_world.y) * std::abs(v.y) + abs(to_world.z) * std::abs(v.z);
+      };
       hit.position_error = magnitudes(e) + (magnitudes(p) + abs(to_world.origin)) * (4 * 0x1p-24f);
       hit.geometric_normal = normalize(from_world.transposed_vector(hit.geometric_normal));
       hit.shading_normal = normalize(from_world.transposed_vector(hit.shading_normal));
@@ -138,8 +143,18 @@ class World final : public Intersector {
     }
     if (objects_.empty()) return false;
     cache_.enter();
-    query = {ray.origin.x, ray.origin.y, ray.origin.z, ray.t_min, ray.direction.x, ray.direction.y, ray.direction.z, ray.time,
-             ray.t_max, ~0u, 0, 0};
+    query = {ray.origin.x,
+             ray.origin.y,
+             ray.origin.z,
+             ray.t_min,
+             ray.direction.x,
+             ray.direction.y,
+             ray.direction.z,
+             ray.time,
+             ray.t_max,
+             ~0u,
+             0,
+             0};
     return true;
   }
 

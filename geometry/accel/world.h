@@ -4,9 +4,9 @@
 //   Eager  the same cells and the same code, all expanded before the first ray; nothing is forgotten
 //   Flat   each model's whole final mesh in one plain Embree scene, as the paper's renderer did
 //
-// Lazy and eager give the same hits bit for bit, for any budget, number of threads and order of rays: what a cell expands to is a pure
-// function of the model, cells are traced through the same hierarchy whether resident or not, and of two hits at the same
-// distance the one with the smaller cell key wins. Flat differs at most in such ties.
+// Lazy and eager give the same hits bit for bit, for any budget, number of threads and order of rays: what a cell
+// expands to is a pure function of the model, cells are traced through the same hierarchy whether resident or not, and
+// of two hits at the same distance the one with the smaller cell key wins. Flat differs at most in such ties.
 #pragma once
 
 #include "geometry/accel/intersector.h"

@@ -37,8 +37,14 @@ using Bounds3d = Bounds3<double>;
 
 // The smallest float box that holds a double box: rounded outwards.
 inline Bounds3f round_outwards(const Bounds3d& b) {
-  auto down = [](double x) { const float f = float(x); return double(f) <= x ? f : std::nextafterf(f, -INFINITY); };
-  auto up = [](double x) { const float f = float(x); return double(f) >= x ? f : std::nextafterf(f, INFINITY); };
+  auto down = [](double x) {
+    const float f = float(x);
+    return double(f) <= x ? f : std::nextafterf(f, -INFINITY);
+  };
+  auto up = [](double x) {
+    const float f = float(x);
+    return double(f) >= x ? f : std::nextafterf(f, INFINITY);
+  };
   return {{down(b.lower.x), down(b.lower.y), down(b.lower.z)}, {up(b.upper.x), up(b.upper.y), up(b.upper.z)}};
 }
 

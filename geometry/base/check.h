@@ -13,9 +13,9 @@ class CheckFailed : public std::logic_error {
 
 }  // namespace meristem
 
-#define CHECK(condition, ...)                                                                               \
-  do {                                                                                                      \
-    if (!(condition)) [[unlikely]]                                                                          \
-      throw ::meristem::CheckFailed(fmt::format("{}:{}: CHECK({}) failed: {}", __FILE__, __LINE__, #condition, \
-                                                fmt::format(__VA_ARGS__)));                                 \
+#define CHECK(condition, ...)                                                                                    \
+  do {                                                                                                           \
+    if (!(condition)) [[unlikely]]                                                                               \
+      throw ::meristem::CheckFailed(                                                                             \
+          fmt::format("{}:{}: CHECK({}) failed: {}", __FILE__, __LINE__, #condition, fmt::format(__VA_ARGS__))); \
   } while (false)

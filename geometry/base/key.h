@@ -21,9 +21,13 @@ constexpr Key scramble(Key x) {
 }
 
 // An ordered hash: hash_keys(a, b) != hash_keys(b, a). More arguments fold from the left.
-constexpr Key hash_keys(Key a, Key b) { return scramble(scramble(a + 0x9e3779b97f4a7c15ull) ^ (b * 0xd1342543de82ef95ull + 1)); }
+constexpr Key hash_keys(Key a, Key b) {
+  return scramble(scramble(a + 0x9e3779b97f4a7c15ull) ^ (b * 0xd1342543de82ef95ull + 1));
+}
 template <class... Rest>
-constexpr Key hash_keys(Key a, Key b, Rest... rest) { return hash_keys(hash_keys(a, b), Key(rest)...); }
+constexpr Key hash_keys(Key a, Key b, Rest... rest) {
+  return hash_keys(hash_keys(a, b), Key(rest)...);
+}
 
 // The same for both orders of a and b, for things two ends share (an edge).
 constexpr Key hash_unordered(Key a, Key b) { return a < b ? hash_keys(a, b) : hash_keys(b, a); }

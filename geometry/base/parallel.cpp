@@ -13,7 +13,9 @@
 
 namespace meristem {
 
-int default_thread_count() { return int(std::thread::hardware_concurrency() ? tbb::this_task_arena::max_concurrency() : 1); }
+int default_thread_count() {
+  return int(std::thread::hardware_concurrency() ? tbb::this_task_arena::max_concurrency() : 1);
+}
 
 ThreadLimit::ThreadLimit(int n)
     : control_(new tbb::global_control(tbb::global_control::max_allowed_parallelism, std::size_t(n))) {}

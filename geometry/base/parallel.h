@@ -21,8 +21,8 @@ class ThreadLimit {
   void* control_;
 };
 
-// Runs work(thread_index) on n threads of their own (std::thread; thread 0 is the caller) and joins them. Denormals are flushed on
-// each. The first exception thrown is rethrown after all have ended.
+// Runs work(thread_index) on n threads of their own (std::thread; thread 0 is the caller) and joins them. Denormals are
+// flushed on each. The first exception thrown is rethrown after all have ended.
 void run_threads(int n, const std::function<void(int thread_index)>& work);
 
 // Runs body(i) for i in [0, count) on TBB; the order is unspecified. Exceptions propagate.
@@ -32,7 +32,8 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t i)>& b
 // outer task is picked up while it waits. Safe to nest under a ray (a thread never waits for another here).
 void run_isolated(const std::function<void()>& f);
 
-// Flushes denormals to zero on the calling thread (MXCSR FTZ and DAZ): hits depend on it, so every thread that expands or traces calls it.
+// Flushes denormals to zero on the calling thread (MXCSR FTZ and DAZ): hits depend on it, so every thread that expands
+// or traces calls it.
 void flush_denormals();
 
 }  // namespace meristem

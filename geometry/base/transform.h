@@ -37,7 +37,11 @@ struct Affine3 {
     return r;
   }
 
-  static Affine3 translation(Vec3<T> t) { Affine3 m; m.origin = t; return m; }
+  static Affine3 translation(Vec3<T> t) {
+    Affine3 m;
+    m.origin = t;
+    return m;
+  }
   static Affine3 scaling(Vec3<T> s) { return {{s.x, T(0), T(0)}, {T(0), s.y, T(0)}, {T(0), T(0), s.z}, {}}; }
   // Rotation about a unit axis by an angle in radians, counter-clockwise seen against the axis.
   static Affine3 rotation(Vec3<T> axis, T angle) {

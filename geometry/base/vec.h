@@ -49,7 +49,9 @@ struct Vec3 {
 };
 
 template <class T>
-constexpr Vec3<T> operator*(T s, Vec3<T> v) { return v * s; }
+constexpr Vec3<T> operator*(T s, Vec3<T> v) {
+  return v * s;
+}
 
 using Vec2f = Vec2<float>;
 using Vec2d = Vec2<double>;
@@ -57,15 +59,21 @@ using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
 
 template <class T>
-constexpr T dot(Vec3<T> a, Vec3<T> b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr T dot(Vec3<T> a, Vec3<T> b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 template <class T>
 constexpr Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T>
-constexpr T length_squared(Vec3<T> v) { return dot(v, v); }
+constexpr T length_squared(Vec3<T> v) {
+  return dot(v, v);
+}
 template <class T>
-T length(Vec3<T> v) { return std::sqrt(dot(v, v)); }
+T length(Vec3<T> v) {
+  return std::sqrt(dot(v, v));
+}
 // The unit vector along v; the zero vector when v is zero.
 template <class T>
 Vec3<T> normalize(Vec3<T> v) {
@@ -73,17 +81,29 @@ Vec3<T> normalize(Vec3<T> v) {
   return l > T(0) ? v / l : Vec3<T>{};
 }
 template <class T>
-constexpr Vec3<T> min(Vec3<T> a, Vec3<T> b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
+constexpr Vec3<T> min(Vec3<T> a, Vec3<T> b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
 template <class T>
-constexpr Vec3<T> max(Vec3<T> a, Vec3<T> b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
+constexpr Vec3<T> max(Vec3<T> a, Vec3<T> b) {
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
 template <class T>
-constexpr Vec3<T> abs(Vec3<T> v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+constexpr Vec3<T> abs(Vec3<T> v) {
+  return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
+}
 template <class T>
-constexpr T max_component(Vec3<T> v) { return std::max(v.x, std::max(v.y, v.z)); }
+constexpr T max_component(Vec3<T> v) {
+  return std::max(v.x, std::max(v.y, v.z));
+}
 template <class T>
-constexpr Vec3<T> lerp(Vec3<T> a, Vec3<T> b, T t) { return a * (T(1) - t) + b * t; }
+constexpr Vec3<T> lerp(Vec3<T> a, Vec3<T> b, T t) {
+  return a * (T(1) - t) + b * t;
+}
 template <class T>
-bool is_finite(Vec3<T> v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool is_finite(Vec3<T> v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 // Two unit vectors that make a right-handed orthonormal frame (s, t, n) with the unit vector n.
 // Duff et al. 2017, "Building an Orthonormal Basis, Revisited".

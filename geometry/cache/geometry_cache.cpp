@@ -56,8 +56,8 @@ CacheEntry* GeometryCache::expand_slot(CacheSlot& slot, CacheEntry* parent, cons
   return result;
 }
 
-// Keeps the parent resident while a child is being expanded. False if the parent was evicted meanwhile (its memory is still valid for
-// this thread): then the child is used once and thrown away.
+// Keeps the parent resident while a child is being expanded. False if the parent was evicted meanwhile (its memory is
+// still valid for this thread): then the child is used once and thrown away.
 bool GeometryCache::adopt_child(CacheEntry* parent) {
   if (!parent) return true;
   const std::lock_guard lock(mutex_);
@@ -103,7 +103,8 @@ void GeometryCache::publish_failure(CacheSlot& slot, CacheEntry* parent, bool is
 
 void GeometryCache::evict_to_budget(const CacheEntry* keep) {
   // Two rounds of the hand: the first clears used bits, the second takes what nobody asked for since.
-  for (std::size_t looked_at = 0; statistics_.resident_bytes > budget_bytes_ && looked_at < 2 * clock_.size() + 2; ++looked_at) {
+  for (std::size_t looked_at = 0; statistics_.resident_bytes > budget_bytes_ && looked_at < 2 * clock_.size() + 2;
+       ++looked_at) {
     if (hand_ >= clock_.size()) hand_ = 0;
     CacheEntry& entry = *clock_[hand_];
     if (&entry == keep || entry.children_ > 0)
@@ -127,8 +128,8 @@ void GeometryCache::evict(CacheEntry& entry) {
   send_to_limbo(&entry);
 }
 
-// An entry in limbo may be freed once every thread inside has entered at a later epoch. The increment is a full barrier between emptying the
-// slot and reading the threads' epochs: a thread that still found the entry is seen to be inside.
+// An entry in limbo may be freed once every thread inside has entered at a later epoch. The increment is a full barrier
+// between emptying the slot and reading the threads' epochs: a thread that still found the entry is seen to be inside.
 void GeometryCache::send_to_limbo(CacheEntry* entry) {
   entry->evicted_epoch_ = epoch_.fetch_add(1);
   limbo_.push_back(entry);
@@ -145,7 +146,8 @@ std::uint64_t GeometryCache::oldest_epoch() const {
 void GeometryCache::reclaim() {
   if (limbo_.empty()) return;
   const std::uint64_t oldest = oldest_epoch();
-  const auto first_kept = std::find_if(limbo_.begin(), limbo_.end(), [&](const CacheEntry* e) { return e->evicted_epoch_ >= oldest; });
+  const auto first_kept =
+      std::find_if(limbo_.begin(), limbo_.end(), [&](const CacheEntry* e) { return e->evicted_epoch_ >= oldest; });
   for (auto it = limbo_.begin(); it != first_kept; ++it) {
     statistics_.limbo_bytes -= (*it)->bytes;
     delete *it;

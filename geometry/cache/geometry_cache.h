@@ -1,13 +1,14 @@
 // GeometryCache: the cells that are expanded now, within a byte budget.
 //
-// A slot belongs to a proxy and leads to its entry. acquire() on a resident slot is one acquire load (and a store of the
-// used bit if it is clear): no lock, no reference count, no hash. On an empty slot one thread expands (single flight); the
-// others sleep until it is done. The expanding thread holds no lock while it works and waits for nobody.
+// A slot belongs to a proxy and leads to its entry. acquire() on a resident slot is one acquire load (and a store of
+// the used bit if it is clear): no lock, no reference count, no hash. On an empty slot one thread expands (single
+// flight); the others sleep until it is done. The expanding thread holds no lock while it works and waits for nobody.
 //
-// Eviction: CLOCK (second chance; its hit rate was within 0.1 points of LRU in a pilot), entries without resident children
-// only, so parents leave after their children. Threads use entries between enter() and leave() (one camera path); an evicted
-// entry waits in limbo until every thread that was inside has left, so an entry that a ray in flight uses stays valid. Resident bytes exceed the budget by no more
-// than the cells being expanded at the moment; what cannot be evicted (ancestors of cells in use) stays.
+// Eviction: CLOCK (second chance; its hit rate was within 0.1 points of LRU in a pilot), entries without resident
+// children only, so parents leave after their children. Threads use entries between enter() and leave() (one camera
+// path); an evicted entry waits in limbo until every thread that was inside has left, so an entry that a ray in flight
+// uses stays valid. Resident bytes exceed the budget by no more than the cells being expanded at the moment; what
+// cannot be evicted (ancestors of cells in use) stays.
 //
 // Threads: up to max_threads at once.
 #pragma once
@@ -37,7 +38,7 @@ class CacheSlot {
   friend class GeometryCache;
   static constexpr std::uintptr_t empty = 0, expanding = 1, failed = 2;  // anything else: a CacheEntry*
   std::atomic<std::uintptr_t> word_{empty};
-  bool was_expanded_ = false;   // written by the expanding thread only
+  bool was_expanded_ = false;  // written by the expanding thread only
 };
 
 // What an expansion left behind. Subclasses own the geometry; the destructor frees it.
@@ -53,7 +54,7 @@ class CacheEntry {
   // Guarded by GeometryCache::mutex_.
   CacheSlot* slot_ = nullptr;
   CacheEntry* parent_ = nullptr;
-  std::uint32_t children_ = 0;      // resident or being expanded
+  std::uint32_t children_ = 0;  // resident or being expanded
   std::size_t clock_index_ = 0;
   bool evicted_ = false;
   std::uint64_t evicted_epoch_ = 0;
@@ -73,8 +74,9 @@ class GeometryCache {
   GeometryCache(const GeometryCache&) = delete;
   GeometryCache& operator=(const GeometryCache&) = delete;
 
-  // The slot's entry, made by `expand` if it is not resident; nullptr if expansion failed (expand threw; not tried again).
-  // `parent` is the entry that holds the slot, nullptr for a root. The entry stays valid until the caller's leave().
+  // The slot's entry, made by `expand` if it is not resident; nullptr if expansion failed (expand threw; not tried
+  // again). `parent` is the entry that holds the slot, nullptr for a root. The entry stays valid until the caller's
+  // leave().
   template <class Expand>
   CacheEntry* acquire(CacheSlot& slot, CacheEntry* parent, Expand&& expand) {
     const std::uintptr_t word = slot.word_.load(std::memory_order_acquire);
@@ -89,7 +91,8 @@ class GeometryCache {
   // The calling thread begins to use entries. Cheap if it is inside already.
   void enter() {
     std::atomic<std::uint64_t>& mine = threads_[std::size_t(thread_index())].epoch;
-    if (mine.load(std::memory_order_relaxed) == outside) mine.store(epoch_.load());  // seen by evict() before any slot is read
+    if (mine.load(std::memory_order_relaxed) == outside)
+      mine.store(epoch_.load());  // seen by evict() before any slot is read
   }
   // The calling thread holds no entry any more.
   void leave() { threads_[std::size_t(thread_index())].epoch.store(outside, std::memory_order_release); }
@@ -101,7 +104,7 @@ class GeometryCache {
   using Expand = std::function<std::unique_ptr<CacheEntry>()>;
   CacheEntry* acquire_slow(CacheSlot& slot, CacheEntry* parent, const Expand& expand);
   CacheEntry* expand_slot(CacheSlot& slot, CacheEntry* parent, const Expand& expand);
-  bool adopt_child(CacheEntry* parent);                                    // takes mutex_
+  bool adopt_child(CacheEntry* parent);                                                                  // takes mutex_
   void publish(CacheSlot& slot, CacheEntry* parent, std::unique_ptr<CacheEntry> entry, bool is_orphan);  // takes mutex_
   void publish_failure(CacheSlot& slot, CacheEntry* parent, bool is_orphan);
   // All below need mutex_.
@@ -110,8 +113,8 @@ class GeometryCache {
   void send_to_limbo(CacheEntry* entry);
   void reclaim();
   std::uint64_t oldest_epoch() const;
-  // Threads get an index once and keep it for life; with more than max_threads of them it is used again, which is safe while
-  // no two of these are inside at once.
+  // Threads get an index once and keep it for life; with more than max_threads of them it is used again, which is safe
+  // while no two of these are inside at once.
   static int thread_index();
 
   static constexpr std::uint64_t outside = ~std::uint64_t(0);
@@ -125,9 +128,9 @@ class GeometryCache {
   std::atomic<std::uint64_t> waits_{0};
 
   mutable std::mutex mutex_;
-  std::vector<CacheEntry*> clock_;     // resident entries; owned
+  std::vector<CacheEntry*> clock_;  // resident entries; owned
   std::size_t hand_ = 0;
-  std::vector<CacheEntry*> limbo_;     // owned
+  std::vector<CacheEntry*> limbo_;  // owned
   CacheStatistics statistics_;
 };
 

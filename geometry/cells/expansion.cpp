@@ -26,7 +26,8 @@ enum class Next { Step, Split, Finish };
 // Carries a cell through steps until it is final or worth splitting.
 class Expander {
  public:
-  Expander(const Model& model, CellMesh cell, int level) : model_(model), cell_(std::move(cell)), level_(level), first_level_(level) {}
+  Expander(const Model& model, CellMesh cell, int level)
+      : model_(model), cell_(std::move(cell)), level_(level), first_level_(level) {}
 
   Expansion run() {
     result_.work.resize(std::size_t(model_.levels()));
@@ -49,7 +50,8 @@ class Expander {
 
   double largest_estimate() const {
     double largest = 0;
-    for (std::uint32_t f = 0; f < cell_.owned_faces; ++f) largest = std::max(largest, estimated_faces(model_, cell_, f, level_));
+    for (std::uint32_t f = 0; f < cell_.owned_faces; ++f)
+      largest = std::max(largest, estimated_faces(model_, cell_, f, level_));
     return largest;
   }
 
@@ -112,7 +114,8 @@ class Expander {
 
 std::size_t InnerCell::bytes() const {
   return sizeof(*this) + cell.mesh.bytes() + cell.rings.capacity() + (adjacency ? adjacency->bytes() : 0) +
-         child_starts.capacity() * 4 + child_faces.capacity() * 4 + child_bounds.capacity() * sizeof(Bounds3f) + child_keys.capacity() * 8;
+         child_starts.capacity() * 4 + child_faces.capacity() * 4 + child_bounds.capacity() * sizeof(Bounds3f) +
+         child_keys.capacity() * 8;
 }
 
 CellMesh root_cell(const Model& model) { return model.base(); }

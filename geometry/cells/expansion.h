@@ -1,7 +1,8 @@
 // expand(): what comes of a cell: either its final surface, or its mesh some steps later, cut into child cells.
 //
-// The unit of lazy expansion. A pure function of the model and the cell's own data (mesh and halo): it traces no ray, takes
-// no lock and waits for nothing, so any thread may expand any cell at any time, again after eviction, and get the same bits.
+// The unit of lazy expansion. A pure function of the model and the cell's own data (mesh and halo): it traces no ray,
+// takes no lock and waits for nothing, so any thread may expand any cell at any time, again after eviction, and get the
+// same bits.
 #pragma once
 
 #include "geometry/cells/model.h"
@@ -22,7 +23,7 @@ struct InnerCell {
   std::unique_ptr<const Adjacency> adjacency;
   std::vector<std::uint32_t> child_starts{0};  // into child_faces
   std::vector<std::uint32_t> child_faces;
-  std::vector<Bounds3f> child_bounds;          // conservative, of everything that will come of the child
+  std::vector<Bounds3f> child_bounds;  // conservative, of everything that will come of the child
   std::vector<Key> child_keys;
 
   std::size_t child_count() const { return child_bounds.size(); }
@@ -38,10 +39,10 @@ struct StepWork {
 };
 
 struct Expansion {
-  std::optional<Tessellation> leaf;          // exactly one of
-  std::unique_ptr<InnerCell> inner;          // these two
-  std::vector<StepWork> work;                // by level; levels that did not run are zero
-  std::uint64_t faces = 0;                   // owned faces made, over all steps
+  std::optional<Tessellation> leaf;  // exactly one of
+  std::unique_ptr<InnerCell> inner;  // these two
+  std::vector<StepWork> work;        // by level; levels that did not run are zero
+  std::uint64_t faces = 0;           // owned faces made, over all steps
 };
 
 // The cell that is the whole base mesh, and a child of a split cell with the halo it needs.

@@ -6,9 +6,9 @@ namespace meristem {
 
 namespace {
 
-// Sums of the absolute coefficients by which the vertices of a mesh enter a mean diagonal and an edge of the mesh smoothed
-// once (Catmull-Clark; the supremum over valences and creases, and the value for valence 4). A displacement of length d
-// of the vertices changes these by at most so many d. Faces that are not quads: twice the weight 1.
+// Sums of the absolute coefficients by which the vertices of a mesh enter a mean diagonal and an edge of the mesh
+// smoothed once (Catmull-Clark; the supremum over valences and creases, and the value for valence 4). A displacement of
+// length d of the vertices changes these by at most so many d. Faces that are not quads: twice the weight 1.
 constexpr double worst_scale_weight = 1.19, regular_scale_weight = 0.985;
 constexpr double worst_edge_weight = 1.25, regular_edge_weight = 0.75;
 
@@ -22,8 +22,8 @@ Weights weights_for(double contraction) {
   return {2, 2};
 }
 
-// A bound on (mean diagonal after) / (longest edge before): edges from edge points to face points are at most half an edge
-// before (a whole one where faces are not quads), those from refined vertices to edge points `contraction` of it.
+// A bound on (mean diagonal after) / (longest edge before): edges from edge points to face points are at most half an
+// edge before (a whole one where faces are not quads), those from refined vertices to edge points `contraction` of it.
 double scale_by_edge(double contraction) {
   const double half = contraction > worst_contraction ? 1.0 : 0.5;
   return (3 * half + contraction) / 2;

@@ -1,5 +1,5 @@
-// Extent: what is known of a region of a mesh before the next step: enough to bound everything that will ever come of it.
-// Carried through the steps by Step::bound(); plain data.
+// Extent: what is known of a region of a mesh before the next step: enough to bound everything that will ever come of
+// it. Carried through the steps by Step::bound(); plain data.
 #pragma once
 
 #include "geometry/base/bounds.h"
@@ -18,14 +18,15 @@ struct SymbolRange {
   float radius = 0;  // the largest distance of a corner of such a face from its centroid
 };
 
-// Bounds on |longest edge after| / |longest edge before| of one smoothing: of quads around vertices of valence 4 without creases, of
-// quads around any vertex, and of faces of any size (for these "edge" is the largest distance of two corners).
+// Bounds on |longest edge after| / |longest edge before| of one smoothing: of quads around vertices of valence 4
+// without creases, of quads around any vertex, and of faces of any size (for these "edge" is the largest distance of
+// two corners).
 constexpr double regular_contraction = 0.5;
 constexpr double worst_contraction = 1.0;
 constexpr double worst_first_contraction = 1.42;
 
 struct Extent {
-  Bounds3d box;         // of the control points that the owned faces depend on (owned faces and ring 1)
+  Bounds3d box;  // of the control points that the owned faces depend on (owned faces and ring 1)
   // Of the smooth surface, within two rings:
   double edge = 0;      // the longest edge
   double edge_sum = 0;  // the longest edge of one direction plus the longest of the other; at most 2 * edge

@@ -18,7 +18,8 @@ class VertexWalk {
  public:
   VertexWalk(const Mesh& mesh, const Adjacency& adjacency) : mesh_(mesh), adjacency_(adjacency) {}
 
-  // Calls visit(face) for the other faces around corner k of face f: counter-clockwise from f, and if a boundary stops the walk, clockwise from f.
+  // Calls visit(face) for the other faces around corner k of face f: counter-clockwise from f, and if a boundary stops
+  // the walk, clockwise from f.
   template <class Visit>
   void around(std::uint32_t f, std::uint32_t k, Visit visit) const {
     const std::uint32_t v = mesh_.corner_vertices[mesh_.face_starts[f] + k];
@@ -90,9 +91,12 @@ class ChildMaker {
   }
 
  private:
-  bool is_bud(std::uint32_t f) const { return model_.grows_later(mesh_.origins[mesh_.face_origins[f]].symbol, inner_.level); }
+  bool is_bud(std::uint32_t f) const {
+    return model_.grows_later(mesh_.origins[mesh_.face_origins[f]].symbol, inner_.level);
+  }
 
-  // For owned faces that still grow or touch one that does: the name of their group. Buds that share a neighbour share a group.
+  // For owned faces that still grow or touch one that does: the name of their group. Buds that share a neighbour share
+  // a group.
   std::vector<std::uint32_t> find_bud_neighbors() const {
     std::vector<std::uint32_t> group(mesh_.face_count(), none);
     Groups groups(mesh_.face_count());
@@ -110,11 +114,13 @@ class ChildMaker {
     return group;
   }
 
-  // Where every face of a dense surface grows (spikes on a cactus), joining neighbours would join everything: then each face stands alone.
+  // Where every face of a dense surface grows (spikes on a cactus), joining neighbours would join everything: then each
+  // face stands alone.
   bool is_small_bud_cluster() const { return bud_share_ < 0.5; }
 
   void add_plain(std::uint32_t f) {
-    const double faces = model_.estimated_faces(mesh_.corner_count(f), mesh_.origins[mesh_.face_origins[f]].symbol, inner_.level);
+    const double faces =
+        model_.estimated_faces(mesh_.corner_count(f), mesh_.origins[mesh_.face_origins[f]].symbol, inner_.level);
     if (!run_.empty() && run_faces_ + faces > model_.settings().leaf_faces) close_run();
     run_.push_back(f);
     run_faces_ += faces;

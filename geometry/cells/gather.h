@@ -5,12 +5,13 @@
 
 namespace meristem {
 
-// A cell of the listed faces with `rings` rings of halo. Faces and vertices are numbered by walking around the owned faces' corners,
-// so that cells of one shape get one numbering (and share their RefinePlans). Cost: linear in the cell.
+// A cell of the listed faces with `rings` rings of halo. Faces and vertices are numbered by walking around the owned
+// faces' corners, so that cells of one shape get one numbering (and share their RefinePlans). Cost: linear in the cell.
 CellMesh gather_cell(const Mesh& mesh, const Adjacency& adjacency, std::span<const std::uint32_t> owned, int rings);
 
-// Fills in the children of an inner cell whose mesh, level and adjacency are set: runs of neighbouring faces that make one leaf together,
-// single faces that make more; a face that still grows stands with the faces that touch it, whose smoothing it reaches.
+// Fills in the children of an inner cell whose mesh, level and adjacency are set: runs of neighbouring faces that make
+// one leaf together, single faces that make more; a face that still grows stands with the faces that touch it, whose
+// smoothing it reaches.
 void make_children(const Model& model, InnerCell& inner);
 
 }  // namespace meristem

@@ -17,7 +17,8 @@ namespace {
 
 constexpr int final_halo_rings = 1;  // what vertex normals of the final mesh need
 
-// Rings needed before every step. u, v left at corners by growth are averaged by the first refinement, which takes one ring more.
+// Rings needed before every step. u, v left at corners by growth are averaged by the first refinement, which takes one
+// ring more.
 std::vector<int> find_halo_rings(const std::vector<std::unique_ptr<Step>>& steps) {
   std::vector<int> rings(steps.size() + 1, final_halo_rings);
   std::size_t first_refinement = steps.size();
@@ -40,7 +41,8 @@ struct Neighborhood {
   }
 
  private:
-  static std::vector<std::uint32_t> ring_around(const Mesh& mesh, const Adjacency& adjacency, std::span<const std::uint32_t> faces,
+  static std::vector<std::uint32_t> ring_around(const Mesh& mesh, const Adjacency& adjacency,
+                                                std::span<const std::uint32_t> faces,
                                                 std::vector<std::uint32_t>& seen) {
     std::vector<std::uint32_t> ring;
     for (std::uint32_t f : faces)
@@ -115,8 +117,9 @@ class ExtentBuilder {
   }
 
  private:
-  // Sorts the edges of quads into two directions by walking from face to face (opposite edges of a face share one), and adds the longest of
-  // each; twice the longest edge if a face is no quad or the walk contradicts itself around an irregular vertex.
+  // Sorts the edges of quads into two directions by walking from face to face (opposite edges of a face share one), and
+  // adds the longest of each; twice the longest edge if a face is no quad or the walk contradicts itself around an
+  // irregular vertex.
   double longest_edge_sum(std::span<const std::uint32_t> faces) const {
     if (has_other_faces_) return 2 * extent_.edge;
     std::unordered_map<std::uint32_t, int> turn;  // of every face: the direction of its edges 0 and 2
@@ -128,14 +131,17 @@ class ExtentBuilder {
         turn[start] = 0;
         walk.push_back(start);
       }
-      if (!walk.empty() && start != faces.front()) return 2 * extent_.edge;  // a second piece: its directions are unknown
+      if (!walk.empty() && start != faces.front())
+        return 2 * extent_.edge;  // a second piece: its directions are unknown
       while (!walk.empty()) {
         const std::uint32_t f = walk.back();
         walk.pop_back();
         for (int k = 0; k < 4; ++k) {
-          const Adjacency::Edge& edge = adjacency_.edge(adjacency_.edge_of_corner(mesh_.face_starts[f] + std::uint32_t(k)));
+          const Adjacency::Edge& edge =
+              adjacency_.edge(adjacency_.edge_of_corner(mesh_.face_starts[f] + std::uint32_t(k)));
           const int direction = (turn[f] + k) % 2;
-          longest[direction] = std::max(longest[direction], length(mesh_.positions[edge.vertices[0]] - mesh_.positions[edge.vertices[1]]));
+          longest[direction] = std::max(longest[direction],
+                                        length(mesh_.positions[edge.vertices[0]] - mesh_.positions[edge.vertices[1]]));
           const std::uint32_t g = edge.faces[0] == f ? edge.faces[1] : edge.faces[0];
           const auto other = turn.find(g);
           if (other == turn.end()) continue;
@@ -164,7 +170,8 @@ class ExtentBuilder {
     const FaceFrame frame = face_frame(mesh_, f);
     double radius = 0;
     for (std::uint32_t v : mesh_.corners(f)) radius = std::max(radius, length(mesh_.positions[v] - frame.origin));
-    auto range = std::find_if(extent_.symbols.begin(), extent_.symbols.end(), [&](const SymbolRange& s) { return s.symbol == origin.symbol; });
+    auto range = std::find_if(extent_.symbols.begin(), extent_.symbols.end(),
+                              [&](const SymbolRange& s) { return s.symbol == origin.symbol; });
     const bool is_new = range == extent_.symbols.end();
     if (is_new) range = extent_.symbols.insert(range, SymbolRange{origin.symbol, {}, 0});
     range->radius = std::max(range->radius, std::nextafterf(float(radius), INFINITY));
@@ -191,7 +198,8 @@ Model::Model(std::string name, Mesh base, std::vector<std::unique_ptr<Step>> ste
   std::iota(faces.begin(), faces.end(), 0u);
   const Bounds3d bounds = final_bounds(*this, region_extent(*this, base, Adjacency(base), faces, 0), 0);
   const double reach = std::max(max_component(abs(bounds.lower)), max_component(abs(bounds.upper)));
-  if (bounds.empty() || !std::isfinite(reach)) throw std::runtime_error(fmt::format("model \"{}\" has no finite bounds", name_));
+  if (bounds.empty() || !std::isfinite(reach))
+    throw std::runtime_error(fmt::format("model \"{}\" has no finite bounds", name_));
   quantum_ = Quantum::for_reach(std::max(reach, 1e-6));
   for (const auto& s : steps_) s->set_quantum(quantum_);
   for (Vec3d& p : base.positions) p = quantum_.round(p);
@@ -225,7 +233,8 @@ double Model::estimated_faces(std::uint32_t corners, std::int32_t symbol, int le
   return faces;
 }
 
-Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adjacency, std::span<const std::uint32_t> faces, int level) {
+Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adjacency,
+                     std::span<const std::uint32_t> faces, int level) {
   const Neighborhood neighborhood(mesh, adjacency, faces);
   ExtentBuilder builder(model, mesh, adjacency, level);
   for (std::uint32_t f : faces) builder.add_control_face(f);

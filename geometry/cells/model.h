@@ -12,14 +12,15 @@ namespace meristem {
 
 // How a model is cut into cells. Images do not depend on it (but for ties at cell borders); speed and memory do.
 struct CellSettings {
-  std::uint32_t leaf_faces = 1024;    // final faces of a leaf cell: 32 x 32 quads keep 0.82-0.87 of the speed of one flat scene
-  std::uint32_t inner_faces = 8192;   // an expansion stops to split when it would hold more
+  std::uint32_t leaf_faces =
+      1024;  // final faces of a leaf cell: 32 x 32 quads keep 0.82-0.87 of the speed of one flat scene
+  std::uint32_t inner_faces = 8192;  // an expansion stops to split when it would hold more
 };
 
 class Model {
  public:
-  // Chooses the quantum from the bounds of all that will grow, tells the steps and rounds the base to it. The base must be
-  // manifold and not empty. Throws std::runtime_error if the bounds are not finite (a rule without bound).
+  // Chooses the quantum from the bounds of all that will grow, tells the steps and rounds the base to it. The base must
+  // be manifold and not empty. Throws std::runtime_error if the bounds are not finite (a rule without bound).
   Model(std::string name, Mesh base, std::vector<std::unique_ptr<Step>> steps, CellSettings settings = {});
 
   const std::string& name() const { return name_; }
@@ -49,9 +50,11 @@ class Model {
 
 // The extent of the listed faces before step `level`; the mesh must hold two complete rings around them.
 class Adjacency;
-Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adjacency, std::span<const std::uint32_t> faces, int level);
+Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adjacency,
+                     std::span<const std::uint32_t> faces, int level);
 
-// Bounds of everything that will ever come of a region, roundings included: the extent carried through all steps from `level` on.
+// Bounds of everything that will ever come of a region, roundings included: the extent carried through all steps from
+// `level` on.
 Bounds3d final_bounds(const Model& model, Extent extent, int level);
 
 }  // namespace meristem

@@ -9,7 +9,8 @@ namespace meristem {
 
 namespace {
 
-// Faces of the mesh ahead for each final face of the model: with 1/16, two levels of Catmull-Clark are left to analysis.
+// Faces of the mesh ahead for each final face of the model: with 1/16, two levels of Catmull-Clark are left to
+// analysis.
 constexpr double probe_share = 1.0 / 16;
 constexpr std::uint32_t most_probe_faces = 1u << 18;
 
@@ -28,8 +29,8 @@ struct Surroundings {
   }
 };
 
-// A bound on the contraction of edges at every vertex, from the faces around it: of a closed fan of quads without creases
-// each neighbour is met twice, so that the exclusive or of all neighbours' indices vanishes.
+// A bound on the contraction of edges at every vertex, from the faces around it: of a closed fan of quads without
+// creases each neighbour is met twice, so that the exclusive or of all neighbours' indices vanishes.
 std::vector<double> vertex_contractions(const Mesh& mesh) {
   std::vector<std::uint32_t> faces(mesh.vertex_count(), 0), parity(mesh.vertex_count(), 0);
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
@@ -61,7 +62,8 @@ std::vector<Surroundings> own_surroundings(const Mesh& mesh) {
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     Surroundings& s = result[f];
     s.edge = longest_edge(mesh, f);
-    for (std::uint32_t v : mesh.corners(f)) s.join({Bounds3d{mesh.positions[v], mesh.positions[v]}, 0, contraction[v], uv[v], uv[v]});
+    for (std::uint32_t v : mesh.corners(f))
+      s.join({Bounds3d{mesh.positions[v], mesh.positions[v]}, 0, contraction[v], uv[v], uv[v]});
   }
   return result;
 }
@@ -92,8 +94,8 @@ Extent extent_of(const Surroundings& ring1, const Surroundings& ring2) {
 
 }  // namespace
 
-std::vector<Bounds3d> probed_bounds(const Model& model, const CellMesh& cell, int level, std::span<const std::uint32_t> group_of,
-                                    std::size_t group_count) {
+std::vector<Bounds3d> probed_bounds(const Model& model, const CellMesh& cell, int level,
+                                    std::span<const std::uint32_t> group_of, std::size_t group_count) {
   CellMesh ahead = cell;
   std::vector<std::uint32_t> groups(group_of.begin(), group_of.end());  // of the owned faces of `ahead`
   auto share = [&] { return 1 / model.estimated_faces(4, -1, level); };
@@ -109,14 +111,16 @@ std::vector<Bounds3d> probed_bounds(const Model& model, const CellMesh& cell, in
     is_quads = true;
     ++level;
   }
-  const std::vector<Surroundings> ring1 = widened(ahead.mesh, own_surroundings(ahead.mesh)), ring2 = widened(ahead.mesh, ring1);
+  const std::vector<Surroundings> ring1 = widened(ahead.mesh, own_surroundings(ahead.mesh)),
+                                  ring2 = widened(ahead.mesh, ring1);
   std::vector<Surroundings> group_ring1(group_count), group_ring2(group_count);
   for (std::uint32_t f = 0; f < ahead.owned_faces; ++f) {
     group_ring1[groups[f]].join(ring1[f]);
     group_ring2[groups[f]].join(ring2[f]);
   }
   std::vector<Bounds3d> bounds;
-  for (std::size_t g = 0; g < group_count; ++g) bounds.push_back(final_bounds(model, extent_of(group_ring1[g], group_ring2[g]), level));
+  for (std::size_t g = 0; g < group_count; ++g)
+    bounds.push_back(final_bounds(model, extent_of(group_ring1[g], group_ring2[g]), level));
   return bounds;
 }
 

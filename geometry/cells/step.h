@@ -14,8 +14,9 @@
 
 namespace meristem {
 
-// A mesh with a border region: faces [0, owned_faces) are the cell's own, the others its halo. `rings[f]` is the distance of face f
-// from the owned ones by shared vertices (0 for these, 1 for those that touch one, ...). An eager or base mesh has no halo.
+// A mesh with a border region: faces [0, owned_faces) are the cell's own, the others its halo. `rings[f]` is the
+// distance of face f from the owned ones by shared vertices (0 for these, 1 for those that touch one, ...). An eager or
+// base mesh has no halo.
 struct CellMesh {
   Mesh mesh;
   std::uint32_t owned_faces = 0;
@@ -32,13 +33,16 @@ class Step {
   virtual int halo_rings(int rings_after) const = 0;
   // The most faces that one face with `corners` corners becomes.
   virtual std::uint32_t max_children(std::uint32_t corners) const = 0;
-  // Applies the step. Output faces stand grouped by parent in the parents' order; owned children come first; halo beyond
-  // `rings_after` is dropped, as are vertices that no face uses.
+  // Applies the step. Output faces stand grouped by parent in the parents' order; owned children come first; halo
+  // beyond `rings_after` is dropped, as are vertices that no face uses.
   virtual void apply(const CellMesh& in, int rings_after, CellMesh& out) const = 0;
   // The extent after the step of everything that comes of a region with extent `e`.
   virtual Extent bound(const Extent& e) const = 0;
   // Whether faces with this symbol are replaced by this step.
-  virtual bool grows(std::int32_t symbol) const { (void)symbol; return false; }
+  virtual bool grows(std::int32_t symbol) const {
+    (void)symbol;
+    return false;
+  }
   // Told once, by the model's constructor, before any apply(): the grid on which it must place vertices.
   virtual void set_quantum(const Quantum& quantum) { (void)quantum; }
   // Whether vertices are moved off the scheme's smooth position (so that no limit is known).
@@ -46,8 +50,8 @@ class Step {
   virtual bool refines() const { return false; }
 };
 
-// Computes rings[] by breadth-first search from the owned faces over shared vertices, drops faces beyond max_ring and unused vertices,
-// keeps the order of faces otherwise but sorts by ring (stable).
+// Computes rings[] by breadth-first search from the owned faces over shared vertices, drops faces beyond max_ring and
+// unused vertices, keeps the order of faces otherwise but sorts by ring (stable).
 void trim_halo(CellMesh& cell, int max_ring);
 
 }  // namespace meristem

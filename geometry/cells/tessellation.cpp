@@ -28,7 +28,8 @@ std::vector<Vec3f> vertex_normals(const Mesh& mesh) {
 
 class Tessellator {
  public:
-  explicit Tessellator(const CellMesh& cell) : mesh_(cell.mesh), normals_(vertex_normals(cell.mesh)), uv_(vertex_uv(cell.mesh)) {
+  explicit Tessellator(const CellMesh& cell)
+      : mesh_(cell.mesh), normals_(vertex_normals(cell.mesh)), uv_(vertex_uv(cell.mesh)) {
     out_.origins = cell.mesh.origins;
     out_.face_count = cell.owned_faces;
   }

@@ -1,5 +1,5 @@
-// Tessellation: the final surface of a leaf cell as float arrays, ready for intersection: grids where subdivision left regular
-// squares of quads, triangles elsewhere. Immutable; any thread may read.
+// Tessellation: the final surface of a leaf cell as float arrays, ready for intersection: grids where subdivision left
+// regular squares of quads, triangles elsewhere. Immutable; any thread may read.
 #pragma once
 
 #include "geometry/cells/model.h"
@@ -10,7 +10,8 @@
 namespace meristem {
 
 struct Tessellation {
-  // width x height vertices, row by row, with its own vertices from first_vertex on; all faces of a grid have one origin.
+  // width x height vertices, row by row, with its own vertices from first_vertex on; all faces of a grid have one
+  // origin.
   struct Grid {
     std::uint32_t first_vertex;
     std::uint16_t width, height;
@@ -18,7 +19,7 @@ struct Tessellation {
   };
 
   std::vector<Vec3f> positions;
-  std::vector<Vec3f> normals;   // unit, outwards
+  std::vector<Vec3f> normals;  // unit, outwards
   std::vector<Vec2f> uv;
   std::vector<Grid> grids;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -30,8 +31,9 @@ struct Tessellation {
   Bounds3f bounds() const;
 };
 
-// Of the final mesh of a cell with one ring of halo. `root_corners` holds the corner counts of the owned faces from which the
-// last `refinements` Catmull-Clark steps made the mesh (each quad a square of 4^refinements faces, each n-gon n squares of 4^(refinements - 1)).
+// Of the final mesh of a cell with one ring of halo. `root_corners` holds the corner counts of the owned faces from
+// which the last `refinements` Catmull-Clark steps made the mesh (each quad a square of 4^refinements faces, each n-gon
+// n squares of 4^(refinements - 1)).
 Tessellation tessellate(const CellMesh& cell, std::span<const std::uint32_t> root_corners, int refinements);
 
 }  // namespace meristem

@@ -61,10 +61,10 @@ struct Input {
 // The points of one evaluation. `inputs` has one entry for each slot of the Symbols (those the expression does not use
 // may be null).
 struct Block {
-  int count = 0;                      // any number; evaluated in runs of a fixed size inside
+  int count = 0;  // any number; evaluated in runs of a fixed size inside
   std::span<const Input> inputs;
-  const Key* keys = nullptr;          // one a point, for rand(); null: all zero
-  Key salt = 0;                       // hashed into every rand(): scene seed and step
+  const Key* keys = nullptr;  // one a point, for rand(); null: all zero
+  Key salt = 0;               // hashed into every rand(): scene seed and step
 };
 
 // A closed interval, and for vectors three of them with a bound on the length of the vector.
@@ -72,8 +72,8 @@ struct Interval {
   float lower = 0, upper = 0;
 };
 struct IntervalValue {
-  Interval x, y, z;                                            // scalars use x alone
-  float max_length = std::numeric_limits<float>::infinity();   // of a vector; infinity: only the components bound it
+  Interval x, y, z;                                           // scalars use x alone
+  float max_length = std::numeric_limits<float>::infinity();  // of a vector; infinity: only the components bound it
 
   static IntervalValue scalar(float lower, float upper) {
     return {{lower, upper}, {}, {}, std::numeric_limits<float>::infinity()};
@@ -89,7 +89,7 @@ class Expression {
 
   virtual ~Expression() = default;
   virtual ValueType type() const = 0;
-  virtual bool is_constant() const = 0;           // depends on no variable and no rand()
+  virtual bool is_constant() const = 0;  // depends on no variable and no rand()
   virtual bool uses(int slot) const = 0;
   virtual bool uses_random() const = 0;
   virtual const std::string& text() const = 0;

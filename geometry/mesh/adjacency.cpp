@@ -35,7 +35,8 @@ Adjacency::Adjacency(const Mesh& mesh) {
 
 std::size_t Adjacency::bytes() const {
   return sizeof(*this) + edges_.capacity() * sizeof(Edge) +
-         4 * (corner_edges_.capacity() + face_starts_.capacity() + faces_.capacity() + edge_starts_.capacity() + edge_list_.capacity());
+         4 * (corner_edges_.capacity() + face_starts_.capacity() + faces_.capacity() + edge_starts_.capacity() +
+              edge_list_.capacity());
 }
 
 void Adjacency::find_edges(const Mesh& mesh) {
@@ -51,15 +52,18 @@ void Adjacency::find_edges(const Mesh& mesh) {
   next_edge_ = {};
 }
 
-void Adjacency::add_edge_side(const Mesh& mesh, std::uint32_t face, std::uint32_t corner, std::uint32_t from, std::uint32_t to) {
+void Adjacency::add_edge_side(const Mesh& mesh, std::uint32_t face, std::uint32_t corner, std::uint32_t from,
+                              std::uint32_t to) {
   const std::uint32_t low = std::min(from, to);
   for (std::uint32_t e = first_edge_[low]; e != none; e = next_edge_[e]) {
     Edge& edge = edges_[e];
-    if (edge.vertices[0] + edge.vertices[1] != from + to || std::min(edge.vertices[0], edge.vertices[1]) != low) continue;
+    if (edge.vertices[0] + edge.vertices[1] != from + to || std::min(edge.vertices[0], edge.vertices[1]) != low)
+      continue;
     if (edge.faces[1] != none)
       defect_ = fmt::format("the edge between vertices {} and {} has more than two faces", from, to);
     else if (edge.vertices[0] == from)
-      defect_ = fmt::format("faces {} and {} run the same way along the edge from vertex {} to {}", edge.faces[0], face, from, to);
+      defect_ = fmt::format("faces {} and {} run the same way along the edge from vertex {} to {}", edge.faces[0], face,
+                            from, to);
     else
       edge.faces[1] = face;
     corner_edges_[corner] = e;

@@ -16,8 +16,8 @@ class Adjacency {
   static constexpr std::uint32_t none = ~std::uint32_t(0);
 
   struct Edge {
-    std::uint32_t vertices[2];        // in the direction of the first face
-    std::uint32_t faces[2];           // the second is `none` on a boundary
+    std::uint32_t vertices[2];  // in the direction of the first face
+    std::uint32_t faces[2];     // the second is `none` on a boundary
     float sharpness = 0;
   };
 
@@ -34,8 +34,8 @@ class Adjacency {
   std::size_t bytes() const;
 
  private:
-  static std::span<const std::uint32_t> row(const std::vector<std::uint32_t>& starts, const std::vector<std::uint32_t>& list,
-                                            std::uint32_t i) {
+  static std::span<const std::uint32_t> row(const std::vector<std::uint32_t>& starts,
+                                            const std::vector<std::uint32_t>& list, std::uint32_t i) {
     return {list.data() + starts[i], starts[i + 1] - starts[i]};
   }
   void find_edges(const Mesh& mesh);
@@ -45,7 +45,7 @@ class Adjacency {
   std::vector<std::uint32_t> corner_edges_;
   std::vector<std::uint32_t> face_starts_, faces_;      // by vertex
   std::vector<std::uint32_t> edge_starts_, edge_list_;  // by vertex
-  std::vector<std::uint32_t> first_edge_, next_edge_;   // while building: edges by their smaller vertex, as linked lists
+  std::vector<std::uint32_t> first_edge_, next_edge_;  // while building: edges by their smaller vertex, as linked lists
   std::string defect_;
 };
 

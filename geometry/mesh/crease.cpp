@@ -29,7 +29,10 @@ void find_pair(std::span<const std::uint32_t> edges, const std::vector<float>& s
 }  // namespace
 
 CreaseSharpness::CreaseSharpness(const Mesh& mesh, const Adjacency& adjacency, BoundaryRule boundary)
-    : adjacency_(adjacency), edge_(adjacency.edge_count()), vertex_(mesh.vertex_count(), 0.0f), user_vertex_(mesh.vertex_sharpness) {
+    : adjacency_(adjacency),
+      edge_(adjacency.edge_count()),
+      vertex_(mesh.vertex_count(), 0.0f),
+      user_vertex_(mesh.vertex_sharpness) {
   auto positive = [](float s) { return s > 0; };
   any_user_sharpness_ = std::any_of(mesh.corner_sharpness.begin(), mesh.corner_sharpness.end(), positive) ||
                         std::any_of(user_vertex_.begin(), user_vertex_.end(), positive);
@@ -72,7 +75,8 @@ VertexCrease CreaseSharpness::vertex_rule(std::uint32_t v) const {
   if (result.rule == RefinePlan::Rule::Crease) find_pair(edges, sharpness, result.edges);
   if (result.next_rule == RefinePlan::Rule::Crease) find_pair(edges, next, result.next_edges);
   if (rule != next_rule && result.rule != RefinePlan::Rule::Smooth)
-    result.weight = crease.ComputeFractionalWeightAtVertex(vertex_[v], next_vertex, count, sharpness.data(), next.data());
+    result.weight =
+        crease.ComputeFractionalWeightAtVertex(vertex_[v], next_vertex, count, sharpness.data(), next.data());
   return result;
 }
 

@@ -13,7 +13,8 @@ namespace meristem {
 struct VertexCrease {
   RefinePlan::Rule rule = RefinePlan::Rule::Smooth, next_rule = RefinePlan::Rule::Smooth;
   float weight = 1;  // of `rule`
-  std::uint32_t edges[2] = {RefinePlan::none, RefinePlan::none}, next_edges[2] = {RefinePlan::none, RefinePlan::none};  // of a crease
+  std::uint32_t edges[2] = {RefinePlan::none, RefinePlan::none},
+                next_edges[2] = {RefinePlan::none, RefinePlan::none};  // of a crease
 };
 
 class CreaseSharpness {
@@ -24,14 +25,14 @@ class CreaseSharpness {
   bool any_user_sharpness() const { return any_user_sharpness_; }
   float edge(std::uint32_t e) const { return edge_[e]; }
   float vertex(std::uint32_t v) const { return vertex_[v]; }
-  float refined_edge(std::uint32_t e) const;      // of both halves; without the boundary's own
+  float refined_edge(std::uint32_t e) const;  // of both halves; without the boundary's own
   float refined_vertex(std::uint32_t v) const;
   VertexCrease vertex_rule(std::uint32_t v) const;
 
  private:
   const Adjacency& adjacency_;
   bool any_user_sharpness_ = false;
-  std::vector<float> edge_, vertex_;               // boundaries included
+  std::vector<float> edge_, vertex_;  // boundaries included
   std::vector<float> user_vertex_;
 };
 

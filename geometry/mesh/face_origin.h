@@ -10,11 +10,12 @@ namespace meristem {
 
 constexpr int max_growth_parameters = 8;
 
-// What a face brings along from growth: set by the production that made it (or the base mesh), inherited by all faces refined from it.
+// What a face brings along from growth: set by the production that made it (or the base mesh), inherited by all faces
+// refined from it.
 struct FaceOrigin {
-  Key key = 0;                                      // of the grown face: the same for everything refined from it
-  std::int32_t material = -1;                       // index into the model's materials; -1: the default
-  std::int32_t symbol = -1;                         // index into the model's symbols; -1: none
+  Key key = 0;                 // of the grown face: the same for everything refined from it
+  std::int32_t material = -1;  // index into the model's materials; -1: the default
+  std::int32_t symbol = -1;    // index into the model's symbols; -1: none
   std::array<float, max_growth_parameters> parameters{};
   bool operator==(const FaceOrigin&) const = default;
 };

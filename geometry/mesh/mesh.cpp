@@ -24,7 +24,8 @@ bool is_single_fan(const Adjacency& adjacency, std::uint32_t v) {
       const Adjacency::Edge& edge = adjacency.edge(e);
       if (edge.faces[1] == Adjacency::none) continue;
       for (int side = 0; side < 2; ++side)
-        if (edge.faces[side] == reached[i] && std::find(reached.begin(), reached.end(), edge.faces[1 - side]) == reached.end())
+        if (edge.faces[side] == reached[i] &&
+            std::find(reached.begin(), reached.end(), edge.faces[1 - side]) == reached.end())
           reached.push_back(edge.faces[1 - side]);
     }
   }
@@ -35,7 +36,8 @@ std::string face_defect(const Mesh& mesh, std::uint32_t f) {
   const auto corners = mesh.corners(f);
   if (corners.size() < 3) return fmt::format("face {} has {} corners", f, corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    if (corners[i] >= mesh.vertex_count()) return fmt::format("face {} names vertex {} of {}", f, corners[i], mesh.vertex_count());
+    if (corners[i] >= mesh.vertex_count())
+      return fmt::format("face {} names vertex {} of {}", f, corners[i], mesh.vertex_count());
     for (std::size_t j = i + 1; j < corners.size(); ++j)
       if (corners[i] == corners[j]) return fmt::format("face {} has vertex {} twice", f, corners[i]);
   }

@@ -24,17 +24,19 @@ struct Mesh {
   std::vector<std::uint32_t> face_starts{0};
   std::vector<std::uint32_t> corner_vertices;
   std::vector<Key> face_keys;
-  std::vector<std::uint32_t> face_origins;       // index into origins: what growth gave the face
+  std::vector<std::uint32_t> face_origins;  // index into origins: what growth gave the face
 
   // Corners. Empty or one a corner.
-  std::vector<Vec2d> corner_uv;                  // present from the base mesh through growth: each face's own u, v; averaged into `uv` by the first subdivision
-  std::vector<float> corner_sharpness;           // crease sharpness of the edge from this corner to the next, 0 to 10; both faces of an edge agree
+  std::vector<Vec2d> corner_uv;  // present from the base mesh through growth: each face's own u, v; averaged into `uv`
+                                 // by the first subdivision
+  std::vector<float> corner_sharpness;  // crease sharpness of the edge from this corner to the next, 0 to 10; both
+                                        // faces of an edge agree
 
   // Vertices
   std::vector<Vec3d> positions;
   std::vector<Key> vertex_keys;
-  std::vector<Vec2d> uv;                         // present after the first subdivision (then corner_uv is empty)
-  std::vector<float> vertex_sharpness;           // empty or one a vertex
+  std::vector<Vec2d> uv;                // present after the first subdivision (then corner_uv is empty)
+  std::vector<float> vertex_sharpness;  // empty or one a vertex
 
   std::vector<FaceOrigin> origins;
 
@@ -63,8 +65,8 @@ FaceFrame face_frame(const Mesh& mesh, std::uint32_t face);
 // Newell's normal of a polygon: twice its area long, towards the side from which it runs counter-clockwise.
 Vec3d newell_normal(const Mesh& mesh, std::uint32_t face);
 
-// What is wrong with the mesh as a manifold (an edge with three faces or two of the same direction, a vertex with two fans, a face that repeats
-// a vertex, an index out of range, a non-finite position), or an empty text.
+// What is wrong with the mesh as a manifold (an edge with three faces or two of the same direction, a vertex with two
+// fans, a face that repeats a vertex, an index out of range, a non-finite position), or an empty text.
 std::string manifold_defect(const Mesh& mesh);
 
 // True if every edge has two faces.

@@ -8,8 +8,8 @@ namespace meristem {
 
 namespace {
 
-// Plans by the hash of everything they depend on. Two 64-bit hashes with different seeds name a shape: a clash would need
-// 2^64 shapes before it grew likely.
+// Plans by the hash of everything they depend on. Two 64-bit hashes with different seeds name a shape: a clash would
+// need 2^64 shapes before it grew likely.
 struct ShapeName {
   Key first, second;
   bool operator==(const ShapeName&) const = default;
@@ -57,7 +57,8 @@ class PlanTable {
     Shard& shard = shard_of(name);
     const std::lock_guard lock(shard.mutex);
     const std::size_t bytes = plan->bytes();
-    if (shard.bytes + bytes > table_capacity_bytes / shard_count) {  // full: start afresh; what is in use comes back at once
+    if (shard.bytes + bytes >
+        table_capacity_bytes / shard_count) {  // full: start afresh; what is in use comes back at once
       shard.plans.clear();
       shard.bytes = 0;
     }
@@ -69,7 +70,7 @@ class PlanTable {
   struct Shard {
     std::mutex mutex;
     std::unordered_map<ShapeName, std::shared_ptr<const RefinePlan>, ShapeNameHash> plans;  // guarded by mutex
-    std::size_t bytes = 0;                                                                   // guarded by mutex
+    std::size_t bytes = 0;                                                                  // guarded by mutex
   };
   Shard& shard_of(const ShapeName& name) { return shards_[name.second % shard_count]; }
   std::array<Shard, shard_count> shards_;
@@ -83,7 +84,8 @@ PlanTable& plan_table() {
 ShapeName shape_of(const Mesh& mesh, std::uint32_t owned_faces, int rings_after, const RefineOptions& options) {
   ShapeHasher hasher;
   hasher.add_word(owned_faces);
-  hasher.add_word(std::uint64_t(rings_after) << 8 | std::uint64_t(options.scheme) << 4 | std::uint64_t(options.boundary));
+  hasher.add_word(std::uint64_t(rings_after) << 8 | std::uint64_t(options.scheme) << 4 |
+                  std::uint64_t(options.boundary));
   hasher.add(mesh.face_starts);
   hasher.add(mesh.corner_vertices);
   hasher.add(mesh.corner_sharpness);

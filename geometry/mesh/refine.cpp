@@ -6,7 +6,8 @@ namespace meristem {
 
 namespace {
 
-// What refinement interpolates, as one row of numbers so that loops run over all of them: x, y, z, u, v, and one to spare.
+// What refinement interpolates, as one row of numbers so that loops run over all of them: x, y, z, u, v, and one to
+// spare.
 struct Row {
   double c[6] = {};
 
@@ -42,7 +43,9 @@ class RowGrid {
 class Smoothing {
  public:
   Smoothing(const Mesh& mesh, const RefinePlan& plan, const Quantum& quantum)
-      : plan_(plan), grid_(quantum.step(), unit_quantum.step()), fine_grid_(quantum.step() / 16, unit_quantum.step() / 16),
+      : plan_(plan),
+        grid_(quantum.step(), unit_quantum.step()),
+        fine_grid_(quantum.step() / 16, unit_quantum.step() / 16),
         out_(plan.computed_vertices) {
     read(mesh);
     const bool is_loop = plan.corners_per_face == 3;
@@ -63,7 +66,8 @@ class Smoothing {
     }
   }
 
-  // Face points of quads are exact on a grid 4 times finer; others are rounded to one 16 times finer, so that their sums stay exact.
+  // Face points of quads are exact on a grid 4 times finer; others are rounded to one 16 times finer, so that their
+  // sums stay exact.
   void find_face_points(const Mesh& mesh) {
     face_points_.resize(mesh.face_count());
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
@@ -104,7 +108,8 @@ class Smoothing {
   template <bool is_loop>
   Row vertex(const RefinePlan::VertexVertex& v) const {
     const Row row = by_rule<is_loop>(v, v.rule, v.ends);
-    return v.weight == 1 ? row : by_rule<is_loop>(v, v.next_rule, v.next_ends) * (1 - double(v.weight)) + row * v.weight;
+    return v.weight == 1 ? row
+                         : by_rule<is_loop>(v, v.next_rule, v.next_ends) * (1 - double(v.weight)) + row * v.weight;
   }
 
   Row neighbor_sum(const RefinePlan::VertexVertex& v) const {
@@ -158,7 +163,8 @@ double mean_diagonal(const std::vector<Vec3d>& p, const std::uint32_t* c, std::u
   return (length(p[c[1]] - p[c[0]]) + length(p[c[2]] - p[c[1]]) + length(p[c[0]] - p[c[2]])) / 3;
 }
 
-// The direction of growing u over a face: the gradient of P with respect to u, by least squares over two edges; zero if u, v do not vary.
+// The direction of growing u over a face: the gradient of P with respect to u, by least squares over two edges; zero if
+// u, v do not vary.
 Vec3d face_tangent(const RefinedMesh& m, const std::uint32_t* c, std::uint32_t count) {
   const Vec3d p1 = m.positions[c[1]] - m.positions[c[0]], p2 = m.positions[c[count - 1]] - m.positions[c[0]];
   const Vec2d t1 = m.uv[c[1]] - m.uv[c[0]], t2 = m.uv[c[count - 1]] - m.uv[c[0]];
@@ -194,10 +200,12 @@ std::vector<Vec2d> vertex_uv(const Mesh& mesh) {
 
 Vec3d unit_face_normal(std::span<const Vec3d> positions, const std::uint32_t* corners, std::uint32_t count) {
   if (count == 4)
-    return unit_quantum.round(normalize(cross(positions[corners[2]] - positions[corners[0]], positions[corners[3]] - positions[corners[1]])));
+    return unit_quantum.round(
+        normalize(cross(positions[corners[2]] - positions[corners[0]], positions[corners[3]] - positions[corners[1]])));
   const Vec3d origin = positions[corners[0]];
   Vec3d normal;
-  for (std::uint32_t i = 1; i + 1 < count; ++i) normal += cross(positions[corners[i]] - origin, positions[corners[i + 1]] - origin);
+  for (std::uint32_t i = 1; i + 1 < count; ++i)
+    normal += cross(positions[corners[i]] - origin, positions[corners[i + 1]] - origin);
   return unit_quantum.round(normalize(normal));
 }
 
@@ -225,7 +233,8 @@ RefinedMesh refine(const Mesh& mesh, const RefinePlan& plan, const Quantum& quan
   return refined;
 }
 
-LocalGeometry local_geometry(const RefinePlan& plan, const RefinedMesh& refined, const Quantum& quantum, bool with_tangents) {
+LocalGeometry local_geometry(const RefinePlan& plan, const RefinedMesh& refined, const Quantum& quantum,
+                             bool with_tangents) {
   // Sums run over all computed vertices (those beyond the kept ones come out incomplete and are dropped).
   std::vector<Vec3d> normals(plan.computed_vertices), tangents(with_tangents ? plan.computed_vertices : 0);
   std::vector<double> diagonals(plan.computed_vertices, 0.0);

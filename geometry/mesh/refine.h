@@ -1,6 +1,6 @@
-// refine(): applies a RefinePlan to a mesh: smooth positions, u, v and keys of the next level, and what vertex placement
-// wants to know about it (the paper's local normal and local scale, a tangent). Mesh refinement and vertex placement stay
-// separate: refine() gives the scheme's own positions; whoever places vertices moves them afterwards.
+// refine(): applies a RefinePlan to a mesh: smooth positions, u, v and keys of the next level, and what vertex
+// placement wants to know about it (the paper's local normal and local scale, a tangent). Mesh refinement and vertex
+// placement stay separate: refine() gives the scheme's own positions; whoever places vertices moves them afterwards.
 //
 // Every vertex comes out with the same bits from every mesh that holds its neighbours: see quantum.h.
 // Cost: about 40 ns a vertex, normals and scales 40 ns more (tests/bench). Pure; any thread.
@@ -15,8 +15,8 @@ namespace meristem {
 
 // The refined mesh, with the vertices beyond the kept ones that the normals at its rim need.
 struct RefinedMesh {
-  Mesh mesh;                             // kept faces and vertices
-  std::vector<Vec3d> positions;          // of all computed vertices; the first are those of `mesh`
+  Mesh mesh;                     // kept faces and vertices
+  std::vector<Vec3d> positions;  // of all computed vertices; the first are those of `mesh`
   std::vector<Vec2d> uv;
 };
 
@@ -25,11 +25,15 @@ RefinedMesh refine(const Mesh& mesh, const RefinePlan& plan, const Quantum& quan
 
 // For every kept vertex of the plan, from the computed positions.
 struct LocalGeometry {
-  std::vector<Vec3d> normals;   // local normal: the mean of the unit normals of the faces that meet there, normalised; zero if they cancel
-  std::vector<double> scales;   // local scale: the mean over these faces of their mean diagonal (for triangles: mean edge)
-  std::vector<Vec3d> tangents;  // unit, at right angles to the normal, along growing u (any fixed direction where u is constant); only if asked for
+  std::vector<Vec3d> normals;  // local normal: the mean of the unit normals of the faces that meet there, normalised;
+                               // zero if they cancel
+  std::vector<double>
+      scales;  // local scale: the mean over these faces of their mean diagonal (for triangles: mean edge)
+  std::vector<Vec3d> tangents;  // unit, at right angles to the normal, along growing u (any fixed direction where u is
+                                // constant); only if asked for
 };
-LocalGeometry local_geometry(const RefinePlan& plan, const RefinedMesh& refined, const Quantum& quantum, bool with_tangents);
+LocalGeometry local_geometry(const RefinePlan& plan, const RefinedMesh& refined, const Quantum& quantum,
+                             bool with_tangents);
 
 // u, v by vertex: mesh.uv, or the mean of the corners' own where growth left them at corners (the paper's figure 9).
 std::vector<Vec2d> vertex_uv(const Mesh& mesh);

@@ -17,7 +17,8 @@ using Plan = RefinePlan;
 class ChildNumbers {
  public:
   ChildNumbers(const Mesh& mesh, const Adjacency& adjacency, Scheme scheme)
-      : faces_(scheme == Scheme::CatmullClark ? mesh.face_count() : 0), edges_(adjacency.edge_count()),
+      : faces_(scheme == Scheme::CatmullClark ? mesh.face_count() : 0),
+        edges_(adjacency.edge_count()),
         count_(faces_ + edges_ + mesh.vertex_count()) {}
   std::uint32_t of_face(std::uint32_t f) const { return f; }
   std::uint32_t of_edge(std::uint32_t e) const { return faces_ + e; }
@@ -26,7 +27,9 @@ class ChildNumbers {
   VertexKind kind(std::uint32_t n) const {
     return n < faces_ ? VertexKind::Face : n < faces_ + edges_ ? VertexKind::Edge : VertexKind::Vertex;
   }
-  std::uint32_t source(std::uint32_t n) const { return n < faces_ ? n : n < faces_ + edges_ ? n - faces_ : n - faces_ - edges_; }
+  std::uint32_t source(std::uint32_t n) const {
+    return n < faces_ ? n : n < faces_ + edges_ ? n - faces_ : n - faces_ - edges_;
+  }
 
  private:
   std::uint32_t faces_, edges_, count_;
@@ -43,7 +46,10 @@ struct Child {
 class PlanBuilder {
  public:
   PlanBuilder(const Mesh& mesh, std::uint32_t owned, int rings_after, const RefineOptions& options)
-      : mesh_(mesh), options_(options), adjacency_(mesh), number_(mesh, adjacency_, options.scheme),
+      : mesh_(mesh),
+        options_(options),
+        adjacency_(mesh),
+        number_(mesh, adjacency_, options.scheme),
         sharpness_(mesh, adjacency_, options.boundary) {
     find_children(owned, rings_after);
     keep_faces(rings_after);
@@ -59,18 +65,23 @@ class PlanBuilder {
     const std::vector<std::uint8_t> rings = face_rings(mesh_, owned, (rings_after + 2) / 2);
     for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
       if (rings[f] == unreached_ring) continue;
-      if (options_.scheme == Scheme::CatmullClark) add_quads(f); else add_triangles(f);
+      if (options_.scheme == Scheme::CatmullClark)
+        add_quads(f);
+      else
+        add_triangles(f);
       if (f < owned) plan_.owned_faces = std::uint32_t(children_.size());
     }
   }
 
-  // Quads keep their turning: child i has the refined corner i at its corner i, so that the children of a quad make a grid.
+  // Quads keep their turning: child i has the refined corner i at its corner i, so that the children of a quad make a
+  // grid.
   void add_quads(std::uint32_t f) {
     const std::uint32_t n = mesh_.corner_count(f), start = mesh_.face_starts[f];
     for (std::uint32_t i = 0; i < n; ++i) {
-      const std::uint32_t next = adjacency_.edge_of_corner(start + i), previous = adjacency_.edge_of_corner(start + (i + n - 1) % n);
-      const std::uint32_t ring[4] = {number_.of_vertex(mesh_.corner_vertices[start + i]), number_.of_edge(next), number_.of_face(f),
-                                     number_.of_edge(previous)};
+      const std::uint32_t next = adjacency_.edge_of_corner(start + i),
+                          previous = adjacency_.edge_of_corner(start + (i + n - 1) % n);
+      const std::uint32_t ring[4] = {number_.of_vertex(mesh_.corner_vertices[start + i]), number_.of_edge(next),
+                                     number_.of_face(f), number_.of_edge(previous)};
       const std::uint32_t edges[4] = {next, Plan::none, Plan::none, previous};
       Child child{f, std::uint8_t(i), {}, {}};
       const std::uint32_t turn = n == 4 ? i : 0;
@@ -83,7 +94,8 @@ class PlanBuilder {
   }
 
   void add_triangles(std::uint32_t f) {
-    CHECK(mesh_.corner_count(f) == 3, "Loop subdivision needs triangles; face {} has {} corners", f, mesh_.corner_count(f));
+    CHECK(mesh_.corner_count(f) == 3, "Loop subdivision needs triangles; face {} has {} corners", f,
+          mesh_.corner_count(f));
     const std::uint32_t start = mesh_.face_starts[f];
     std::uint32_t v[3], e[3];
     for (std::uint32_t i = 0; i < 3; ++i) {
@@ -132,7 +144,9 @@ class PlanBuilder {
         const Child& child = children_[c];
         for (std::uint32_t k = 0; k < corner_count(); ++k) {
           plan_.corner_vertices.push_back(computed(child.corners[k]));
-          if (sharp) plan_.corner_sharpness.push_back(child.edges[k] == Plan::none ? 0 : sharpness_.refined_edge(child.edges[k]));
+          if (sharp)
+            plan_.corner_sharpness.push_back(child.edges[k] == Plan::none ? 0
+                                                                          : sharpness_.refined_edge(child.edges[k]));
         }
         plan_.face_starts.push_back(std::uint32_t(plan_.corner_vertices.size()));
         plan_.face_parents.push_back(child.parent);
@@ -143,16 +157,16 @@ class PlanBuilder {
     for (std::uint32_t n : computed_source_) {
       plan_.kinds.push_back(number_.kind(n));
       if (sharp)
-        plan_.vertex_sharpness.push_back(number_.kind(n) == VertexKind::Vertex ? sharpness_.refined_vertex(number_.source(n)) : 0);
+        plan_.vertex_sharpness.push_back(
+            number_.kind(n) == VertexKind::Vertex ? sharpness_.refined_vertex(number_.source(n)) : 0);
     }
   }
 
   void add_normal_faces() {
     plan_.corners_per_face = corner_count();
     for (const Child& child : children_) {
-      const bool touches_kept = std::any_of(child.corners, child.corners + corner_count(), [&](std::uint32_t n) {
-        return computed_index_[n] < plan_.kept_vertices;
-      });
+      const bool touches_kept = std::any_of(child.corners, child.corners + corner_count(),
+                                            [&](std::uint32_t n) { return computed_index_[n] < plan_.kept_vertices; });
       if (!touches_kept) continue;
       for (std::uint32_t k = 0; k < corner_count(); ++k) plan_.normal_faces.push_back(computed(child.corners[k]));
     }
@@ -177,8 +191,11 @@ class PlanBuilder {
 
   void write_edge(std::uint32_t e, std::uint32_t out) {
     const Adjacency::Edge& edge = adjacency_.edge(e);
-    Plan::EdgeVertex vertex{{edge.vertices[0], edge.vertices[1]}, {edge.faces[0], edge.faces[1]}, {Plan::none, Plan::none},
-                            std::min(1.0f, sharpness_.edge(e)), out};
+    Plan::EdgeVertex vertex{{edge.vertices[0], edge.vertices[1]},
+                            {edge.faces[0], edge.faces[1]},
+                            {Plan::none, Plan::none},
+                            std::min(1.0f, sharpness_.edge(e)),
+                            out};
     if (options_.scheme == Scheme::Loop && edge.faces[1] != Plan::none)
       for (int i = 0; i < 2; ++i) vertex.opposite[i] = third_corner(edge.faces[i], edge);
     plan_.edge_vertices.push_back(vertex);
@@ -231,9 +248,10 @@ std::size_t capacity_bytes(const std::vector<T>& v) {
 }  // namespace
 
 std::size_t RefinePlan::bytes() const {
-  return sizeof(*this) + capacity_bytes(face_starts) + capacity_bytes(corner_vertices) + capacity_bytes(corner_sharpness) +
-         capacity_bytes(vertex_sharpness) + capacity_bytes(face_parents) + capacity_bytes(face_child_index) + capacity_bytes(rings) +
-         capacity_bytes(kinds) + capacity_bytes(normal_faces) + capacity_bytes(face_vertices) + capacity_bytes(edge_vertices) +
+  return sizeof(*this) + capacity_bytes(face_starts) + capacity_bytes(corner_vertices) +
+         capacity_bytes(corner_sharpness) + capacity_bytes(vertex_sharpness) + capacity_bytes(face_parents) +
+         capacity_bytes(face_child_index) + capacity_bytes(rings) + capacity_bytes(kinds) +
+         capacity_bytes(normal_faces) + capacity_bytes(face_vertices) + capacity_bytes(edge_vertices) +
          capacity_bytes(vertex_vertices) + capacity_bytes(neighbors) + capacity_bytes(vertex_faces);
 }
 

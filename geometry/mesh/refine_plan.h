@@ -1,5 +1,5 @@
-// RefinePlan: one level of mesh refinement as index tables: everything about M(n) -> M(n+1) that follows from topology and
-// creases alone. Cells of one shape share one plan (RefinePlans), so applying a level is arithmetic on arrays.
+// RefinePlan: one level of mesh refinement as index tables: everything about M(n) -> M(n+1) that follows from topology
+// and creases alone. Cells of one shape share one plan (RefinePlans), so applying a level is arithmetic on arrays.
 //
 // Schemes: Catmull-Clark (faces of any size become quads) and Loop (triangles). Creases after DeRose et al. 1998, with
 // OpenSubdiv's rules (Sdc::Crease): sharpness falls by one a level, 10 stays, fractions blend.
@@ -18,7 +18,8 @@ namespace meristem {
 
 enum class Scheme : std::uint8_t { CatmullClark, Loop };
 
-// How the smoothing treats boundaries: EdgeAndCorner keeps vertices that have a single face in place, EdgeOnly rounds them.
+// How the smoothing treats boundaries: EdgeAndCorner keeps vertices that have a single face in place, EdgeOnly rounds
+// them.
 enum class BoundaryRule : std::uint8_t { EdgeAndCorner, EdgeOnly };
 
 struct RefineOptions {
@@ -35,33 +36,35 @@ struct RefinePlan {
 
   // The refined mesh: kept faces (owned first, then by ring) over kept vertices.
   std::vector<std::uint32_t> face_starts, corner_vertices;
-  std::vector<float> corner_sharpness, vertex_sharpness;     // empty if nothing is sharp
-  std::vector<std::uint32_t> face_parents;                   // input face
-  std::vector<std::uint8_t> face_child_index;                // which child of it
+  std::vector<float> corner_sharpness, vertex_sharpness;  // empty if nothing is sharp
+  std::vector<std::uint32_t> face_parents;                // input face
+  std::vector<std::uint8_t> face_child_index;             // which child of it
   std::vector<std::uint8_t> rings;
   std::uint32_t owned_faces = 0;
   std::uint32_t kept_vertices = 0;
-  std::vector<VertexKind> kinds;                             // of the kept vertices
+  std::vector<VertexKind> kinds;  // of the kept vertices
 
   // All computed vertices: the kept ones first, then those that only the normals of kept ones need.
   std::uint32_t computed_vertices = 0;
-  std::vector<std::uint32_t> normal_faces;                   // their faces, as runs of corners_per_face computed vertices
+  std::vector<std::uint32_t> normal_faces;  // their faces, as runs of corners_per_face computed vertices
   std::uint32_t corners_per_face = 4;
 
-  struct FaceVertex { std::uint32_t face, out; };
+  struct FaceVertex {
+    std::uint32_t face, out;
+  };
   struct EdgeVertex {
-    std::uint32_t ends[2], faces[2];   // faces[1] is none on a boundary
-    std::uint32_t opposite[2];         // Loop: the third vertices of the two triangles
-    float crease = 0;                  // weight of the sharp rule, 0 to 1
+    std::uint32_t ends[2], faces[2];  // faces[1] is none on a boundary
+    std::uint32_t opposite[2];        // Loop: the third vertices of the two triangles
+    float crease = 0;                 // weight of the sharp rule, 0 to 1
     std::uint32_t out;
   };
   enum class Rule : std::uint8_t { Smooth, Crease, Corner };
   struct VertexVertex {
     std::uint32_t vertex, out;
-    std::uint32_t first_neighbor, neighbor_count;   // in `neighbors`: ends of the edges
-    std::uint32_t first_face, face_count;           // in `vertex_faces`
+    std::uint32_t first_neighbor, neighbor_count;  // in `neighbors`: ends of the edges
+    std::uint32_t first_face, face_count;          // in `vertex_faces`
     Rule rule = Rule::Smooth, next_rule = Rule::Smooth;
-    float weight = 1;                               // of `rule`; the rest goes to next_rule
+    float weight = 1;                                                   // of `rule`; the rest goes to next_rule
     std::uint32_t ends[2] = {none, none}, next_ends[2] = {none, none};  // of the crease
   };
   std::vector<FaceVertex> face_vertices;
@@ -75,11 +78,14 @@ struct RefinePlan {
 // Rings of halo a refinement needs in its input.
 constexpr int refine_halo_rings(int rings_after) { return (rings_after + 1) / 2 + 1; }
 
-// Builds the plan for a mesh whose first owned_faces are owned (the rest halo, complete up to refine_halo_rings(rings_after)).
-// About 0.5 us a face.
-std::shared_ptr<const RefinePlan> make_refine_plan(const Mesh& mesh, std::uint32_t owned_faces, int rings_after, const RefineOptions& options);
+// Builds the plan for a mesh whose first owned_faces are owned (the rest halo, complete up to
+// refine_halo_rings(rings_after)). About 0.5 us a face.
+std::shared_ptr<const RefinePlan> make_refine_plan(const Mesh& mesh, std::uint32_t owned_faces, int rings_after,
+                                                   const RefineOptions& options);
 
-// The same through a table of plans by shape, shared by all threads; holds at most a fixed number of bytes (older plans are dropped).
-std::shared_ptr<const RefinePlan> shared_refine_plan(const Mesh& mesh, std::uint32_t owned_faces, int rings_after, const RefineOptions& options);
+// The same through a table of plans by shape, shared by all threads; holds at most a fixed number of bytes (older plans
+// are dropped).
+std::shared_ptr<const RefinePlan> shared_refine_plan(const Mesh& mesh, std::uint32_t owned_faces, int rings_after,
+                                                     const RefineOptions& options);
 
 }  // namespace meristem

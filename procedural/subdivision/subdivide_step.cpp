@@ -98,17 +98,20 @@ void SubdivideStep::place_vertices(const RefinePlan& plan, const RefinedMesh& re
   if (place.uses(slot_n)) inputs.vector(slot_n, [&](std::size_t i) { return local.normals[i]; });
   if (place.uses(slot_scale)) inputs.scalar(slot_scale, [&](std::size_t i) { return local.scales[i]; });
   if (place.uses(slot_t)) inputs.vector(slot_t, [&](std::size_t i) { return local.tangents[i]; });
-  if (place.uses(slot_b)) inputs.vector(slot_b, [&](std::size_t i) { return cross(local.normals[i], local.tangents[i]); });
+  if (place.uses(slot_b))
+    inputs.vector(slot_b, [&](std::size_t i) { return cross(local.normals[i], local.tangents[i]); });
   if (place.uses(slot_u)) inputs.scalar(slot_u, [&](std::size_t i) { return mesh.uv[i].x; });
   if (place.uses(slot_v)) inputs.scalar(slot_v, [&](std::size_t i) { return mesh.uv[i].y; });
   if (place.uses(slot_kind)) inputs.scalar(slot_kind, [&](std::size_t i) { return double(int(plan.kinds[i])); });
   inputs.uniform(slot_level, float(settings_.level));
 
   std::vector<float> x(count), y(count), z(count);
-  place.evaluate({int(count), inputs.inputs(), mesh.vertex_keys.data(), settings_.step_key}, x.data(), y.data(), z.data());
+  place.evaluate({int(count), inputs.inputs(), mesh.vertex_keys.data(), settings_.step_key}, x.data(), y.data(),
+                 z.data());
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3d offset{x[i], y[i], z[i]};
-    if (!is_finite(offset)) throw std::runtime_error(fmt::format("{}: the placement \"{}\" is not finite", name(), place.text()));
+    if (!is_finite(offset))
+      throw std::runtime_error(fmt::format("{}: the placement \"{}\" is not finite", name(), place.text()));
     mesh.positions[i] = settings_.quantum.round(mesh.positions[i] + offset);
   }
 }
@@ -120,9 +123,11 @@ Extent SubdivideStep::bound(const Extent& e) const {
     return after;
   }
   std::array<IntervalValue, slot_count> inputs{};
-  auto interval = [](double lower, double upper) { return Interval{std::nextafterf(float(lower), -INFINITY), std::nextafterf(float(upper), INFINITY)}; };
-  inputs[slot_p] = {interval(e.box.lower.x, e.box.upper.x), interval(e.box.lower.y, e.box.upper.y), interval(e.box.lower.z, e.box.upper.z),
-                    std::numeric_limits<float>::infinity()};
+  auto interval = [](double lower, double upper) {
+    return Interval{std::nextafterf(float(lower), -INFINITY), std::nextafterf(float(upper), INFINITY)};
+  };
+  inputs[slot_p] = {interval(e.box.lower.x, e.box.upper.x), interval(e.box.lower.y, e.box.upper.y),
+                    interval(e.box.lower.z, e.box.upper.z), std::numeric_limits<float>::infinity()};
   for (Slot s : {slot_n, slot_t, slot_b}) {
     constexpr float one = 1.0f + 1e-6f;
     inputs[s] = {{-one, one}, {-one, one}, {-one, one}, one};

@@ -1,5 +1,5 @@
-// SubdivideStep: one level of generalized subdivision (Tobler, Maierhofer and Wilkie, section 3): mesh refinement by a scheme,
-// then vertex placement: the scheme's smooth position plus a displacement vector from an expression.
+// SubdivideStep: one level of generalized subdivision (Tobler, Maierhofer and Wilkie, section 3): mesh refinement by a
+// scheme, then vertex placement: the scheme's smooth position plus a displacement vector from an expression.
 #pragma once
 
 #include "geometry/cells/step.h"

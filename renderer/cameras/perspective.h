@@ -26,8 +26,8 @@ class Perspective {
  private:
   Vec3d target_;
   Vec3f origin_, right_, up_, forward_;
-  float half_height_ = 0;           // of the image plane at depth 1
-  float shift_x_ = 0, shift_y_ = 0; // in image heights
+  float half_height_ = 0;            // of the image plane at depth 1
+  float shift_x_ = 0, shift_y_ = 0;  // in image heights
 };
 
 }  // namespace meristem

@@ -3,8 +3,8 @@
 #include "renderer/cli/console.h"
 #include "renderer/language/describe.h"
 #include "renderer/language/schema.h"
+#include "renderer/loading/all_components.h"
 #include "renderer/report/comparison.h"
-#include "renderer/scene/all_components.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "renderer/cli/option_values.h"
 
 #include "renderer/cli/exit_code.h"
-#include "renderer/scene/load_settings.h"
+#include "renderer/loading/load_settings.h"
 
 #include <fmt/format.h>
 

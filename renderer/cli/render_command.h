@@ -4,7 +4,7 @@
 #include "renderer/cli/exit_code.h"
 #include "renderer/film/film.h"
 #include "renderer/image/image.h"
-#include "renderer/scene/load_scene.h"
+#include "renderer/loading/load_scene.h"
 
 #include <functional>
 #include <optional>

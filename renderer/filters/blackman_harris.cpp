@@ -7,9 +7,7 @@ namespace {
 
 class BlackmanHarris : public Filter {
  public:
-  explicit BlackmanHarris(Params& params) {
-    radius_ = params.real("radius", 1.5, {0.01, 32, "px"}, "half the width");
-  }
+  explicit BlackmanHarris(Params& params) { radius_ = params.real("radius", 1.5, {0.01, 32, "px"}, "half the width"); }
 
   float radius() const override { return float(radius_); }
   float value(float x) const override {

@@ -33,15 +33,19 @@ class Path : public Integrator {
 class Walk {
  public:
   Walk(const Scene& scene, Sampler& sampler, RayCounts& counts, const Ray& ray, int roulette_depth)
-      : scene_(scene), sampler_(sampler), counts_(counts), choice_(scene), ray_(ray), last_vertex_(ray.origin),
+      : scene_(scene),
+        sampler_(sampler),
+        counts_(counts),
+        choice_(scene),
+        ray_(ray),
+        last_vertex_(ray.origin),
         roulette_depth_(roulette_depth) {
     for (const auto& material : scene.materials) transparency_ = transparency_ || material->may_be_transparent();
   }
 
   Spectrum follow() {
     ++counts_.camera;
-    while (step()) {
-    }
+    while (step()) {}
     return sum_;
   }
 
@@ -155,11 +159,11 @@ class Walk {
   Sampler& sampler_;
   RayCounts& counts_;
   const LightChoice choice_;
-  bool transparency_ = false;    // some material may be
+  bool transparency_ = false;  // some material may be
   Ray ray_;
-  Vec3f last_vertex_;            // where the ray was scattered, and how:
-  float last_pdf_ = 0;           // 0: it comes from the camera
-  float travelled_ = 0;          // from there to the ray's origin, through transparent surfaces
+  Vec3f last_vertex_;    // where the ray was scattered, and how:
+  float last_pdf_ = 0;   // 0: it comes from the camera
+  float travelled_ = 0;  // from there to the ray's origin, through transparent surfaces
   Spectrum throughput_{1, 1, 1};
   Spectrum sum_;
   int depth_ = 0;

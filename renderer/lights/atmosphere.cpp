@@ -12,7 +12,7 @@ const Vec3d ozone_absorption{0.650e-3, 1.881e-3, 0.085e-3};
 const Vec3d wavelengths{0.680, 0.550, 0.440};  // micrometres
 constexpr double mie_albedo = 0.9;             // scattering / extinction of aerosols
 constexpr double mie_asymmetry = 0.8;
-constexpr double sun_radius = 0.004675;        // radians
+constexpr double sun_radius = 0.004675;  // radians
 
 // Where a ray from `radius` at the cosine `c` against the vertical leaves the sphere `outer` around it.
 double distance_to_outer(double radius, double c, double outer) {

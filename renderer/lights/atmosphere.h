@@ -48,8 +48,8 @@ class Atmosphere {
 
   Vec3d mie_scattering_;
   Vec3d ground_albedo_;
-  Table transmittance_;          // optical depth to the top, by distance to the top and height
-  Table multiple_scattering_;    // by sun cosine and height
+  Table transmittance_;        // optical depth to the top, by distance to the top and height
+  Table multiple_scattering_;  // by sun cosine and height
 };
 
 }  // namespace meristem

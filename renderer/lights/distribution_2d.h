@@ -22,8 +22,8 @@ class Distribution2D {
  private:
   int width_ = 0, height_ = 0;
   std::vector<float> density_;
-  std::vector<double> row_ends_;    // cumulative weight of whole rows, ends at 1
-  std::vector<double> cell_ends_;   // cumulative inside each row, ends at 1
+  std::vector<double> row_ends_;   // cumulative weight of whole rows, ends at 1
+  std::vector<double> cell_ends_;  // cumulative inside each row, ends at 1
 };
 
 }  // namespace meristem

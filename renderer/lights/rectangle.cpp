@@ -78,8 +78,8 @@ class Rectangle : public Light {
     const Vec3d corner = corner_from(from);
     if (!lights(corner)) return s;
     const SphericalRectangle seen(corner, width_, height_);
-    const Vec2d p = by_area(seen) ? Vec2d{corner.x + random.x * width_, corner.y + random.y * height_}
-                                  : seen.sample(random);
+    const Vec2d p =
+        by_area(seen) ? Vec2d{corner.x + random.x * width_, corner.y + random.y * height_} : seen.sample(random);
     const Vec3d v = right_ * p.x + up_ * p.y + normal_ * corner.z;
     const double distance = length(v);
     s.direction = Vec3f(v / distance);

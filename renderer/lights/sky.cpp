@@ -194,16 +194,16 @@ class Sky : public Light {
 
   double intensity_ = 1;
   Vec3d to_sun_;
-  float sun_azimuth_ = 0;               // radians from +z towards +x
+  float sun_azimuth_ = 0;  // radians from +z towards +x
   Frame sun_frame_;
-  float sun_width_ = 0;                 // 1 - cos of its angular radius
-  double sun_bottom_ = 0, sun_top_ = 0; // elevations
+  float sun_width_ = 0;                  // 1 - cos of its angular radius
+  double sun_bottom_ = 0, sun_top_ = 0;  // elevations
   Spectrum sun_[sun_rows];
-  std::vector<Spectrum> table_;         // rows + 1 rows of the sky
+  std::vector<Spectrum> table_;  // rows + 1 rows of the sky
   Spectrum ground_;
   Distribution2D distribution_;
   float sun_share_ = 0, sky_share_ = 0, ground_share_ = 0;
-  float flux_ = 0;                      // luminance integrated over all directions
+  float flux_ = 0;  // luminance integrated over all directions
 };
 
 }  // namespace

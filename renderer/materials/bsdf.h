@@ -8,7 +8,8 @@
 //    Shading";
 //  - diffuse reflection, Lambert or, with diffuse_roughness, EON (Portsmouth, Kutz, Hill 2024, "EON: A Practical
 //    Energy-Preserving Rough Diffuse BRDF"), and diffuse transmission (Lambert), both dimmed by what the dielectric has
-//    reflected on the way in and out, such that a white base under it gives back all light (Kelemen, Szirmay-Kalos 2001).
+//    reflected on the way in and out, such that a white base under it gives back all light (Kelemen, Szirmay-Kalos
+//    2001).
 //
 // Which side a direction lies on is decided by the geometric normal; cosines use the shading normal, bent towards wo
 // where it would face away. Directions that the two normals see on different sides scatter nothing, so no light leaks;
@@ -23,18 +24,18 @@ namespace meristem {
 
 struct Bsdf {
   // Parameters: set by Material::evaluate. Colours lie in [0, 1].
-  Spectrum diffuse{0.8f, 0.8f, 0.8f};   // albedo of diffuse reflection
-  Spectrum transmitted{};               // albedo of diffuse transmission; diffuse + transmitted <= 1
-  float diffuse_roughness = 0;          // [0, 1]
-  float metalness = 0;                  // [0, 1]
-  float alpha = 0.09f;                  // GGX, [ggx::min_alpha, 1]
-  float f0 = 0.04f;                     // dielectric reflectance at normal incidence, [0, ggx::max_f0]
-  Spectrum dielectric_tint{1, 1, 1};    // multiplies the dielectric reflection
-  Spectrum metal_f0{};                  // metal reflectance at normal incidence
-  Spectrum metal_f82{1, 1, 1};          // tint at 82 degrees
-  float metal_weight = 1;               // multiplies the metal reflection
-  float opacity = 1;                    // probability that light meets the surface at all
-  Spectrum emission{};                  // radiance, all directions, both sides
+  Spectrum diffuse{0.8f, 0.8f, 0.8f};  // albedo of diffuse reflection
+  Spectrum transmitted{};              // albedo of diffuse transmission; diffuse + transmitted <= 1
+  float diffuse_roughness = 0;         // [0, 1]
+  float metalness = 0;                 // [0, 1]
+  float alpha = 0.09f;                 // GGX, [ggx::min_alpha, 1]
+  float f0 = 0.04f;                    // dielectric reflectance at normal incidence, [0, ggx::max_f0]
+  Spectrum dielectric_tint{1, 1, 1};   // multiplies the dielectric reflection
+  Spectrum metal_f0{};                 // metal reflectance at normal incidence
+  Spectrum metal_f82{1, 1, 1};         // tint at 82 degrees
+  float metal_weight = 1;              // multiplies the metal reflection
+  float opacity = 1;                   // probability that light meets the surface at all
+  Spectrum emission{};                 // radiance, all directions, both sides
 
   // Sets the normals for light that leaves towards point.wo, and forgets nothing else.
   void set_frame(const ShadingPoint& point);

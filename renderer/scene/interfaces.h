@@ -23,16 +23,16 @@ constexpr float luminance(Spectrum c) { return 0.2126f * c.x + 0.7152f * c.y + 0
 class Sampler {
  public:
   virtual ~Sampler() = default;
-  virtual std::unique_ptr<Sampler> clone() const = 0;   // one a thread
+  virtual std::unique_ptr<Sampler> clone() const = 0;  // one a thread
   // Starts the sequence of one sample; pixel in image coordinates.
   virtual void start(int pixel_x, int pixel_y, int sample_index, std::uint64_t seed) = 0;
-  virtual float next_1d() = 0;   // [0, 1)
+  virtual float next_1d() = 0;  // [0, 1)
   virtual Vec2f next_2d() = 0;
 };
 
 struct CameraSample {
-  Vec2f film;   // pixels from the top left corner of the image, y down
-  Vec2f lens;   // [0, 1)^2
+  Vec2f film;  // pixels from the top left corner of the image, y down
+  Vec2f lens;  // [0, 1)^2
 };
 
 class Camera {
@@ -44,21 +44,22 @@ class Camera {
   virtual float footprint(Vec3f position, int width, int height) const = 0;
 };
 
-// A separable reconstruction filter, by importance sampling: offset of the sample from the pixel's centre for a uniform number.
+// A separable reconstruction filter, by importance sampling: offset of the sample from the pixel's centre for a uniform
+// number.
 class Filter {
  public:
   virtual ~Filter() = default;
-  virtual float radius() const = 0;                      // pixels
-  virtual float value(float x) const = 0;                // 1D, symmetric, may be negative
+  virtual float radius() const = 0;        // pixels
+  virtual float value(float x) const = 0;  // 1D, symmetric, may be negative
 };
 
 // Light arriving at a point from a direction.
 struct LightSample {
-  Vec3f direction;         // towards the light, unit
-  float distance = 0;      // to the light; infinity for an environment
-  Spectrum radiance;       // arriving if nothing is in between
-  float pdf = 0;           // by solid angle; 0: no sample. Infinite lights that are points in direction: is_delta
-  bool is_delta = false;   // pdf is 1 and no BSDF sample can meet it
+  Vec3f direction;        // towards the light, unit
+  float distance = 0;     // to the light; infinity for an environment
+  Spectrum radiance;      // arriving if nothing is in between
+  float pdf = 0;          // by solid angle; 0: no sample. Infinite lights that are points in direction: is_delta
+  bool is_delta = false;  // pdf is 1 and no BSDF sample can meet it
 };
 
 class Light {
@@ -67,14 +68,33 @@ class Light {
   // Told once before rendering: the bounds of the scene.
   virtual void prepare(const Bounds3f& scene_bounds) { (void)scene_bounds; }
   virtual LightSample sample(Vec3f from, Vec2f random) const = 0;
-  // Radiance that a ray meets that leaves the scene (environments), and the pdf with which sample() picks that direction.
-  virtual Spectrum escaped(Vec3f direction) const { (void)direction; return {}; }
-  virtual float pdf_escaped(Vec3f direction) const { (void)direction; return 0; }
-  // Lights with a shape of their own (rectangle, sphere; seen by camera and bounce rays, cast no shadow): the distance along the ray, or infinity;
-  // then the radiance towards the ray's origin and the pdf of sample(origin) for that direction.
-  virtual float intersect(const Ray& ray) const { (void)ray; return std::numeric_limits<float>::infinity(); }
-  virtual Spectrum emitted(const Ray& ray, float t) const { (void)ray; (void)t; return {}; }
-  virtual float pdf_hit(const Ray& ray, float t) const { (void)ray; (void)t; return 0; }
+  // Radiance that a ray meets that leaves the scene (environments), and the pdf with which sample() picks that
+  // direction.
+  virtual Spectrum escaped(Vec3f direction) const {
+    (void)direction;
+    return {};
+  }
+  virtual float pdf_escaped(Vec3f direction) const {
+    (void)direction;
+    return 0;
+  }
+  // Lights with a shape of their own (rectangle, sphere; seen by camera and bounce rays, cast no shadow): the distance
+  // along the ray, or infinity; then the radiance towards the ray's origin and the pdf of sample(origin) for that
+  // direction.
+  virtual float intersect(const Ray& ray) const {
+    (void)ray;
+    return std::numeric_limits<float>::infinity();
+  }
+  virtual Spectrum emitted(const Ray& ray, float t) const {
+    (void)ray;
+    (void)t;
+    return {};
+  }
+  virtual float pdf_hit(const Ray& ray, float t) const {
+    (void)ray;
+    (void)t;
+    return 0;
+  }
   virtual float power(const Bounds3f& scene_bounds) const = 0;  // estimate, watts-like, for choosing among lights
 };
 
@@ -86,8 +106,8 @@ struct ShadingPoint {
 
 struct BsdfSample {
   Vec3f wi;
-  Spectrum weight;      // value * |cos| / pdf
-  float pdf = 0;        // by solid angle; 0: absorbed
+  Spectrum weight;  // value * |cos| / pdf
+  float pdf = 0;    // by solid angle; 0: absorbed
   bool is_delta = false;
   bool is_transmission = false;
 };
@@ -108,7 +128,7 @@ class Scene;
 
 struct RayCounts {
   std::uint64_t camera = 0, bounce = 0, shadow = 0;
-  std::uint64_t escaped = 0;   // of the camera rays: those that met no surface; the film's coverage is 1 - escaped
+  std::uint64_t escaped = 0;  // of the camera rays: those that met no surface; the film's coverage is 1 - escaped
 
   RayCounts& operator+=(const RayCounts& o) {
     camera += o.camera, bounce += o.bounce, shadow += o.shadow, escaped += o.escaped;

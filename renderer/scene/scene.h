@@ -14,7 +14,7 @@ namespace meristem {
 struct RenderSettings {
   int width = 1280, height = 720;
   int samples = 64;
-  int max_depth = 8;                // bounces
+  int max_depth = 8;  // bounces
   std::uint64_t seed = 0;
   std::uint64_t budget_bytes = std::uint64_t(2) << 30;  // of the geometry cache
 };
@@ -23,7 +23,7 @@ class Scene {
  public:
   std::unique_ptr<Camera> camera;
   std::vector<std::unique_ptr<Light>> lights;
-  std::vector<std::unique_ptr<Material>> materials;      // by FaceOrigin::material; never empty: [0] is the default
+  std::vector<std::unique_ptr<Material>> materials;  // by FaceOrigin::material; never empty: [0] is the default
   std::unique_ptr<Integrator> integrator;
   std::unique_ptr<Sampler> sampler;
   std::unique_ptr<Filter> filter;

@@ -9,7 +9,8 @@
 
 namespace meristem {
 
-// Catmull-Clark, then an offset along the local normal by amplitude * local scale * a number in [-1, 1] hashed from the vertex.
+// Catmull-Clark, then an offset along the local normal by amplitude * local scale * a number in [-1, 1] hashed from the
+// vertex.
 class BumpyStep final : public Step {
  public:
   BumpyStep(double amplitude, Key key) : amplitude_(amplitude), key_(key) {}
@@ -28,7 +29,8 @@ class BumpyStep final : public Step {
     out.mesh = std::move(refined.mesh);
     for (std::size_t i = 0; i < out.mesh.positions.size(); ++i) {
       const double r = 2 * uniform_double(hash_keys(out.mesh.vertex_keys[i], key_)) - 1;
-      out.mesh.positions[i] = quantum_.round(out.mesh.positions[i] + local.normals[i] * (amplitude_ * local.scales[i] * r));
+      out.mesh.positions[i] =
+          quantum_.round(out.mesh.positions[i] + local.normals[i] * (amplitude_ * local.scales[i] * r));
     }
   }
 
@@ -48,7 +50,8 @@ class BumpyStep final : public Step {
 
 inline std::shared_ptr<const Model> bumpy_model(Mesh base, int levels, double amplitude, CellSettings settings = {}) {
   std::vector<std::unique_ptr<Step>> steps;
-  for (int i = 0; i < levels; ++i) steps.push_back(std::make_unique<BumpyStep>(i % 2 ? amplitude : amplitude / 2, hash_keys(77, i)));
+  for (int i = 0; i < levels; ++i)
+    steps.push_back(std::make_unique<BumpyStep>(i % 2 ? amplitude : amplitude / 2, hash_keys(77, i)));
   return std::make_shared<const Model>("bumpy", std::move(base), std::move(steps), settings);
 }
 

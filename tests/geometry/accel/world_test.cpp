@@ -12,7 +12,8 @@ namespace meristem {
 namespace {
 
 Vec3f direction(Key key) {
-  const double z = 1 - 2 * uniform_double(hash_keys(key, 1)), a = 2 * pi * uniform_double(hash_keys(key, 2)), s = std::sqrt(1 - z * z);
+  const double z = 1 - 2 * uniform_double(hash_keys(key, 1)), a = 2 * pi * uniform_double(hash_keys(key, 2)),
+               s = std::sqrt(1 - z * z);
   return {float(s * std::cos(a)), float(s * std::sin(a)), float(z)};
 }
 
@@ -31,8 +32,8 @@ std::unique_ptr<Intersector> world_of(std::shared_ptr<const Model> model, const 
 
 std::uint64_t bits_of(const SurfaceHit& hit) {
   Key h = 0;
-  for (float x : {hit.t, hit.position.x, hit.position.y, hit.position.z, hit.geometric_normal.x, hit.geometric_normal.y, hit.geometric_normal.z,
-                  hit.shading_normal.x, hit.u, hit.v}) {
+  for (float x : {hit.t, hit.position.x, hit.position.y, hit.position.z, hit.geometric_normal.x, hit.geometric_normal.y,
+                  hit.geometric_normal.z, hit.shading_normal.x, hit.u, hit.v}) {
     std::uint32_t bits;
     std::memcpy(&bits, &x, 4);
     h = hash_keys(h, bits);
@@ -113,27 +114,31 @@ TEST(World, HitIsOnTheRayAndNormalsPointOutwards) {
   }
 }
 
-// From inside a closed model no ray gets out: random rays, and rays aimed exactly at vertices' neighbourhoods on cell borders.
+// From inside a closed model no ray gets out: random rays, and rays aimed exactly at vertices' neighbourhoods on cell
+// borders.
 TEST(World, NoRayEscapesFromInside) {
   const auto model = bumpy_model(shapes::prism(8), 5, 0.2, small_cells);
   const auto world = world_of(model, {.budget_bytes = std::size_t(1) << 40});
   int escaped = 0;
-  for (int i = 0; i < 200000; ++i)
-    escaped += !world->occluded({{0, 1, 0}, direction(Key(i))});
+  for (int i = 0; i < 200000; ++i) escaped += !world->occluded({{0, 1, 0}, direction(Key(i))});
   EXPECT_EQ(escaped, 0);
 }
 
 TEST(World, TransformedObjectsMatchTransformedRays) {
   const auto model = bumpy_model(shapes::cube(), 4, 0.2, small_cells);
-  const Affine3d place = Affine3d::translation({3, 1, -2}) * Affine3d::rotation({0, 1, 0}, 0.7) * Affine3d::scaling({1, 2, 0.5});
-  const auto plain = world_of(model, {}), placed = make_world({WorldObject{model, place}, WorldObject{model, Affine3d::translation({100, 0, 0})}}, {});
+  const Affine3d place =
+      Affine3d::translation({3, 1, -2}) * Affine3d::rotation({0, 1, 0}, 0.7) * Affine3d::scaling({1, 2, 0.5});
+  const auto plain = world_of(model, {}),
+             placed =
+                 make_world({WorldObject{model, place}, WorldObject{model, Affine3d::translation({100, 0, 0})}}, {});
   const Affine3f m{Vec3f(place.x), Vec3f(place.y), Vec3f(place.z), Vec3f(place.origin)};
   int hits = 0;
   for (int i = 0; i < 1000; ++i) {
     const Ray ray = ray_towards(Key(i));
     SurfaceHit a, b;
     const bool found = plain->intersect(ray, a);
-    if (found != placed->intersect({m.point(ray.origin), m.vector(ray.direction)}, b)) continue;  // grazing rays may differ by rounding
+    if (found != placed->intersect({m.point(ray.origin), m.vector(ray.direction)}, b))
+      continue;  // grazing rays may differ by rounding
     if (!found) continue;
     ++hits;
     EXPECT_NEAR(a.t, b.t, 1e-4f);

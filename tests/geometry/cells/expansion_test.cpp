@@ -44,7 +44,8 @@ std::vector<std::array<Triple, 4>> quads_of(const std::vector<Tessellation>& lea
       for (std::uint32_t j = 0; j + 1 < g.height; ++j)
         for (std::uint32_t i = 0; i + 1 < g.width; ++i) {
           const std::uint32_t a = g.first_vertex + j * g.width + i;
-          std::array<Triple, 4> q{triple(t.positions[a]), triple(t.positions[a + 1]), triple(t.positions[a + g.width + 1]), triple(t.positions[a + g.width])};
+          std::array<Triple, 4> q{triple(t.positions[a]), triple(t.positions[a + 1]),
+                                  triple(t.positions[a + g.width + 1]), triple(t.positions[a + g.width])};
           std::rotate(q.begin(), std::min_element(q.begin(), q.end()), q.end());
           quads.push_back(q);
         }
@@ -60,11 +61,18 @@ Mesh creased_cube() {
 }
 
 TEST(Expansion, SurfaceDoesNotDependOnTheCut) {
-  struct { const char* name; Mesh mesh; } cages[] = {
-      {"cube", shapes::cube()}, {"prism", shapes::prism(8)}, {"tetrahedron", shapes::tetrahedron()}, {"open grid", shapes::bumpy_grid(3)}, {"creased", creased_cube()}};
+  struct {
+    const char* name;
+    Mesh mesh;
+  } cages[] = {{"cube", shapes::cube()},
+               {"prism", shapes::prism(8)},
+               {"tetrahedron", shapes::tetrahedron()},
+               {"open grid", shapes::bumpy_grid(3)},
+               {"creased", creased_cube()}};
   for (const auto& cage : cages) {
     const auto whole = quads_of(leaves_of(*bumpy_model(cage.mesh, 5, 0.3, {1u << 20, 1u << 20})));
-    for (const CellSettings settings : {CellSettings{4, 16}, CellSettings{16, 64}, CellSettings{64, 16}, CellSettings{256, 1024}}) {
+    for (const CellSettings settings :
+         {CellSettings{4, 16}, CellSettings{16, 64}, CellSettings{64, 16}, CellSettings{256, 1024}}) {
       int cells = 0;
       const auto cut = quads_of(leaves_of(*bumpy_model(cage.mesh, 5, 0.3, settings), &cells));
       EXPECT_GT(cells, 1) << cage.name;
@@ -98,7 +106,8 @@ int count_outside(const Model& model, CellMesh cell, int level, const Bounds3f& 
 TEST(Expansion, BoundsContainWhatGrowsInThem) {
   int cells = 0;
   for (double amplitude : {0.0, 0.1, 0.5, 1.0})
-    for (const Mesh& base : {shapes::cube(), shapes::prism(8), shapes::tetrahedron(), shapes::bumpy_grid(3), creased_cube(), shapes::prism(3)})
+    for (const Mesh& base : {shapes::cube(), shapes::prism(8), shapes::tetrahedron(), shapes::bumpy_grid(3),
+                             creased_cube(), shapes::prism(3)})
       for (const CellSettings settings : {CellSettings{4, 16}, CellSettings{16, 64}}) {
         const auto model = bumpy_model(base, 5, amplitude, settings);
         EXPECT_EQ(count_outside(*model, root_cell(*model), 0, model_bounds(*model), cells), 0);
@@ -121,7 +130,7 @@ TEST(Expansion, BoundsAreNotLoose) {
 TEST(Expansion, OneLeafIsGridsWithUnitNormals) {
   const auto leaves = leaves_of(*bumpy_model(shapes::prism(8), 3, 0, {1u << 20, 1u << 20}));
   ASSERT_EQ(leaves.size(), 1u);
-  EXPECT_EQ(leaves[0].grids.size(), 8u + 2 * 8);  // eight quads, and two octagons of eight quads each
+  EXPECT_EQ(leaves[0].grids.size(), 8u + 2 * 8);   // eight quads, and two octagons of eight quads each
   EXPECT_EQ(leaves[0].face_count, (8u + 4) * 64);  // quads give 4^3, an octagon gives 8 * 4^2
   for (Vec3f n : leaves[0].normals) EXPECT_NEAR(length(n), 1, 1e-5);
 }

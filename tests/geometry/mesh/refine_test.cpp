@@ -25,8 +25,9 @@ struct Point {
 // OpenSubdiv's own refinement of the cage to a level: all its vertices.
 std::vector<Vec3d> opensubdiv_positions(const Mesh& mesh, int level, const RefineOptions& options) {
   Sdc::Options sdc;
-  sdc.SetVtxBoundaryInterpolation(options.boundary == BoundaryRule::EdgeOnly ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
-                                                                             : Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
+  sdc.SetVtxBoundaryInterpolation(options.boundary == BoundaryRule::EdgeOnly
+                                      ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
+                                      : Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
   std::vector<int> counts, indices, crease_pairs;
   std::vector<float> crease_weights;
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
@@ -81,7 +82,8 @@ void expect_same_points(std::vector<Vec3d> a, std::vector<Vec3d> b, double toler
   std::sort(b.begin(), b.end(), by_x);
   for (Vec3d p : a) {
     double nearest = 1e9;
-    for (auto q = std::lower_bound(b.begin(), b.end(), p - Vec3d{tolerance, 0, 0}, by_x); q != b.end() && q->x <= p.x + tolerance; ++q)
+    for (auto q = std::lower_bound(b.begin(), b.end(), p - Vec3d{tolerance, 0, 0}, by_x);
+         q != b.end() && q->x <= p.x + tolerance; ++q)
       nearest = std::min(nearest, length(*q - p));
     ASSERT_LE(nearest, tolerance);
   }
@@ -94,7 +96,8 @@ struct Case {
 };
 
 std::vector<Case> cases() {
-  const RefineOptions loop{Scheme::Loop, BoundaryRule::EdgeAndCorner}, edge_only{Scheme::CatmullClark, BoundaryRule::EdgeOnly};
+  const RefineOptions loop{Scheme::Loop, BoundaryRule::EdgeAndCorner},
+      edge_only{Scheme::CatmullClark, BoundaryRule::EdgeOnly};
   std::vector<Case> all{{"cube", shapes::cube(), {}},
                         {"tetrahedron", shapes::tetrahedron(), {}},
                         {"octagonal prism", shapes::prism(8), {}},
@@ -105,7 +108,8 @@ std::vector<Case> cases() {
                         {"Loop tetrahedron", shapes::tetrahedron(), loop}};
   for (float sharpness : {0.3f, 1.0f, 1.7f, 2.5f, 10.0f}) {
     Mesh ring = shapes::cube();
-    for (auto [a, b] : {std::pair{0, 1}, {1, 3}, {3, 2}, {2, 0}}) shapes::crease(ring, std::uint32_t(a), std::uint32_t(b), sharpness);
+    for (auto [a, b] : {std::pair{0, 1}, {1, 3}, {3, 2}, {2, 0}})
+      shapes::crease(ring, std::uint32_t(a), std::uint32_t(b), sharpness);
     all.push_back({"cube with a creased face", ring, {}});
     Mesh dart = shapes::cube();
     shapes::crease(dart, 0, 1, sharpness);
@@ -127,7 +131,8 @@ TEST(Refine, AgreesWithOpenSubdiv) {
   for (const Case& c : cases())
     for (int level = 1; level <= 4; ++level) {
       SCOPED_TRACE(fmt::format("{} at level {}", c.name, level));
-      expect_same_points(refined(c.mesh, level, c.options).positions, opensubdiv_positions(c.mesh, level, c.options), 1e-7);
+      expect_same_points(refined(c.mesh, level, c.options).positions, opensubdiv_positions(c.mesh, level, c.options),
+                         1e-7);
     }
 }
 
@@ -155,7 +160,8 @@ TEST(Refine, KeysAreUnique) {
 
 TEST(Refine, AveragesCornerUvAtSharedVertices) {
   // Two quads side by side give the two vertices between them different u: figure 9's 0 and 0.5 average to 0.25.
-  Mesh mesh = shapes::from_faces({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}}, {{0, 1, 2, 3}, {1, 4, 5, 2}});
+  Mesh mesh = shapes::from_faces({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}},
+                                 {{0, 1, 2, 3}, {1, 4, 5, 2}});
   mesh.corner_uv = {{0, 0}, {0, 0}, {0.5, 1}, {0, 1}, {0.5, 0}, {1, 0}, {1, 1}, {1, 1}};
   const std::vector<Vec2d> uv = vertex_uv(mesh);
   EXPECT_EQ(uv[0].x, 0);
@@ -171,12 +177,13 @@ TEST(LocalGeometry, OfACube) {
   const LocalGeometry local = local_geometry(*plan, r, Quantum::for_reach(2), true);
   for (std::uint32_t v = 0; v < plan->kept_vertices; ++v) {
     EXPECT_NEAR(length(local.normals[v]), 1, 1e-12);
-    EXPECT_GT(dot(local.normals[v], r.mesh.positions[v]), 0.9);          // by symmetry every normal is radial
+    EXPECT_GT(dot(local.normals[v], r.mesh.positions[v]), 0.9);  // by symmetry every normal is radial
     EXPECT_NEAR(dot(local.normals[v], local.tangents[v]), 0, 1e-12);
     if (plan->kinds[v] == VertexKind::Face) {
       EXPECT_NEAR(dot(local.normals[v], r.mesh.positions[v]), 1, 1e-9);
       // The face point has four faces alike: corner (5/9, 5/9, 5/9), edge points (3/4, 3/4, 0), face point (0, 0, 1).
-      const double d1 = length(Vec3d{5.0 / 9, 5.0 / 9, 5.0 / 9} - Vec3d{0, 0, 1}), d2 = length(Vec3d{0.75, 0, 0.75} - Vec3d{0, 0.75, 0.75});
+      const double d1 = length(Vec3d{5.0 / 9, 5.0 / 9, 5.0 / 9} - Vec3d{0, 0, 1}),
+                   d2 = length(Vec3d{0.75, 0, 0.75} - Vec3d{0, 0.75, 0.75});
       EXPECT_NEAR(local.scales[v], (d1 + d2) / 2, 1e-9);
     }
   }

@@ -21,9 +21,7 @@ std::vector<std::string> corner_messages(Derivation& d) {
 }
 
 TEST(Forecast, IsExactForCertainRules) {
-  Derivation d(
-      octagon,
-      {R"json({ "grow": 5, "rules": { "shoot(l)": { "template": "fork", "faces": { "left": "shoot(l)",
+  Derivation d(octagon, {R"json({ "grow": 5, "rules": { "shoot(l)": { "template": "fork", "faces": { "left": "shoot(l)",
     "right": "shoot(l)" } } } })json"});
   const double truth = d.grown().face_count();
   EXPECT_EQ(forecast(d), truth);
@@ -42,17 +40,14 @@ TEST(Forecast, IsTheMeanForConstantWeights) {
 }
 
 TEST(Forecast, SelfRecursionIsBoundedByTheStepsAndSeenBeforehand) {
-  Derivation d(
-      octagon,
-      {R"json({ "grow": 64, "rules": { "shoot(l)": { "template": "fork", "faces": { "left": "shoot(l)",
+  Derivation d(octagon,
+               {R"json({ "grow": 64, "rules": { "shoot(l)": { "template": "fork", "faces": { "left": "shoot(l)",
     "right": "shoot(l)" } } } })json"});
   EXPECT_GT(forecast(d), 1e9);
 }
 
 TEST(Forecast, ConditionsThatCannotHoldEndIt) {
-  Derivation d(
-      octagon,
-      {R"json({ "grow": 64, "rules": { "shoot(l)": { "if": "l > 0.3", "template": "fork", "faces": {
+  Derivation d(octagon, {R"json({ "grow": 64, "rules": { "shoot(l)": { "if": "l > 0.3", "template": "fork", "faces": {
     "left": "shoot(l/2)", "right": "shoot(l/2)" } } } })json"});
   const double truth = d.grown(3).mesh.face_count();
   EXPECT_EQ(forecast(d), truth);

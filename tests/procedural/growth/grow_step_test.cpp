@@ -55,8 +55,7 @@ TEST(GrowStep, KeysAreDistinct) {
 
 TEST(GrowStep, ConditionsDecide) {
   const Derivation d(
-      octagon,
-      {R"json({ "grow": 4, "rules": { "shoot(len)": { "if": "len > 0.3", "template": "segment", "faces": {
+      octagon, {R"json({ "grow": 4, "rules": { "shoot(len)": { "if": "len > 0.3", "template": "segment", "faces": {
     "cap": "shoot(len*0.5)" } } } })json"});
   EXPECT_EQ(d.grown(2).mesh.face_count(), 26u);  // 1, 0.5
   EXPECT_EQ(d.grown(4).mesh.face_count(), 26u);  // 0.25 stays
@@ -81,9 +80,8 @@ TEST(GrowStep, WeightsAreChancesAndSeedsDraw) {
 }
 
 TEST(GrowStep, RandomNumbersOfOneRuleAreIndependent) {
-  const Derivation d(
-      R"json({ "type": "plane", "columns": 50, "rows": 50, "face": "x" })json",
-      {R"json({ "grow": 1, "rules": { "x": { "template": "box", "height": "rand()", "faces": {
+  const Derivation d(R"json({ "type": "plane", "columns": 50, "rows": 50, "face": "x" })json",
+                     {R"json({ "grow": 1, "rules": { "x": { "template": "box", "height": "rand()", "faces": {
     "top": "y(rand(), rand())" } } } })json"});
   const Mesh mesh = d.grown();
   double sum = 0, products = 0, heights = 0;
@@ -101,9 +99,7 @@ TEST(GrowStep, RandomNumbersOfOneRuleAreIndependent) {
 }
 
 TEST(GrowStep, MaterialAndCreaseGoToTheNewFacesAlone) {
-  const Derivation d(
-      octagon,
-      {R"json({ "grow": 1, "rules": { "shoot(l)": { "template": "segment", "material": "bark",
+  const Derivation d(octagon, {R"json({ "grow": 1, "rules": { "shoot(l)": { "template": "segment", "material": "bark",
     "crease": 3 } } })json"});
   const Mesh mesh = d.grown();
   ASSERT_EQ(mesh.corner_sharpness.size(), mesh.corner_vertices.size());

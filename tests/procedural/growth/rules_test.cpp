@@ -74,9 +74,8 @@ TEST(Rules, ErrorsInExpressionsPointInside) {
 }
 
 TEST(Rules, TerminalsNearASymbolWithRulesAreSuspicious) {
-  const Derivation d(
-      R"json({ "type": "box", "top": "shoot" })json",
-      {R"json({ "grow": 1, "rules": { "shoot": { "template": "segment", "faces": { "cap": "shot",
+  const Derivation d(R"json({ "type": "box", "top": "shoot" })json",
+                     {R"json({ "grow": 1, "rules": { "shoot": { "template": "segment", "faces": { "cap": "shot",
     "side": "bark" } } } })json"});
   EXPECT_EQ(d.messages(), (Messages{"1:78 symbol \"shot\" has no rule in any step; did you mean \"shoot\"?"}));
   EXPECT_FALSE(d.diagnostics.has_errors());

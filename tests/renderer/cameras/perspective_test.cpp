@@ -78,8 +78,8 @@ TEST(Pinhole, ReportsViewsThatAreNone) {
 }
 
 TEST(ThinLens, AllRaysOfAPixelMeetInTheFocusPlane) {
-  const auto camera =
-      make<Camera>(register_thin_lens, R"({ "from": [0, 0, 0], "to": [0, 0, -2], "aperture_radius": 0.1, "focus_distance": 4 })");
+  const auto camera = make<Camera>(
+      register_thin_lens, R"({ "from": [0, 0, 0], "to": [0, 0, -2], "aperture_radius": 0.1, "focus_distance": 4 })");
   const auto pinhole = make<Camera>(register_pinhole, R"({ "from": [0, 0, 0], "to": [0, 0, -2] })");
   const Vec2f film{40, 60};
   const Ray chief = pinhole->ray({film, {}}, width, height);

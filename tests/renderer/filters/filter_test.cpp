@@ -14,7 +14,8 @@ using Registration = void (*)(FilterRegistry&);
 
 class AnyFilter : public testing::TestWithParam<Registration> {};
 INSTANTIATE_TEST_SUITE_P(, AnyFilter,
-                         testing::Values(&register_blackman_harris, &register_box, &register_gaussian, &register_mitchell));
+                         testing::Values(&register_blackman_harris, &register_box, &register_gaussian,
+                                         &register_mitchell));
 
 double integral(const Filter& filter) {
   constexpr int steps = 20000;

@@ -95,7 +95,9 @@ struct Transport : testing::Test {
     scene.materials.push_back(std::make_unique<Matte>());
     return static_cast<Matte&>(*scene.materials.back());
   }
-  void add_ball(Vec3d center, double radius, int material = 0) { world->balls.push_back({center, radius, {1, material}}); }
+  void add_ball(Vec3d center, double radius, int material = 0) {
+    world->balls.push_back({center, radius, {1, material}});
+  }
   void add_floor(double y, int material = 0, double half_width = 1e3) {
     world->floors.push_back({y, half_width, {2, material}});
   }

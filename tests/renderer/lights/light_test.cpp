@@ -27,20 +27,20 @@ struct Case {
   const char* name;
   void (*registration)(LightRegistry&);
   const char* parameters;
-  Vec3f center{};            // of a shape,
-  float one_minus_cos = 2;   // and a cone around it from the origin that holds it
+  Vec3f center{};           // of a shape,
+  float one_minus_cos = 2;  // and a cone around it from the origin that holds it
 };
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 class Environment : public testing::TestWithParam<Case> {};
-INSTANTIATE_TEST_SUITE_P(
-    , Environment,
-    testing::Values(Case{"constant", register_constant, R"({ "color": [1, 2, 3] })"},
-                    Case{"wide_distant", register_distant, R"({ "angle": 40 })"},
-                    Case{"day", register_sky, R"({ "sun_size": 10 })"},
-                    Case{"low_sun", register_sky, R"({ "elevation": 3, "sun_size": 20, "turbidity": 6 })"},
-                    Case{"dusk", register_sky, R"({ "elevation": -5 })"}),
-    [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(, Environment,
+                         testing::Values(Case{"constant", register_constant, R"({ "color": [1, 2, 3] })"},
+                                         Case{"wide_distant", register_distant, R"({ "angle": 40 })"},
+                                         Case{"day", register_sky, R"({ "sun_size": 10 })"},
+                                         Case{"low_sun", register_sky,
+                                              R"({ "elevation": 3, "sun_size": 20, "turbidity": 6 })"},
+                                         Case{"dusk", register_sky, R"({ "elevation": -5 })"}),
+                         [](const auto& test) { return test.param.name; });
 
 TEST_P(Environment, PdfIntegratesToOne) {
   const auto light = make<Light>(GetParam().registration, GetParam().parameters);
@@ -110,10 +110,10 @@ TEST(Sky, LooksLikeAClearDay) {
   const Spectrum zenith = sky->escaped({0, 1, 0}), away = sky->escaped(normalize(Vec3f{0, 1, -1}));
   const Spectrum horizon = sky->escaped(normalize(Vec3f{0, 0.02f, -1}));
   const Spectrum near_sun = sky->escaped(normalize(Vec3f{0, 1, 1}));
-  EXPECT_GT(zenith.z, 2 * zenith.x);                                // blue
-  EXPECT_LT(horizon.z / horizon.x, 0.6f * zenith.z / zenith.x);     // whiter below
-  EXPECT_GT(luminance(horizon), luminance(zenith));                 // and brighter
-  EXPECT_GT(luminance(near_sun), 2 * luminance(away));              // haze around the sun
+  EXPECT_GT(zenith.z, 2 * zenith.x);                             // blue
+  EXPECT_LT(horizon.z / horizon.x, 0.6f * zenith.z / zenith.x);  // whiter below
+  EXPECT_GT(luminance(horizon), luminance(zenith));              // and brighter
+  EXPECT_GT(luminance(near_sun), 2 * luminance(away));           // haze around the sun
   EXPECT_EQ(sky->escaped({0, -1, 0}), sky->escaped(normalize(Vec3f{1, -0.2f, 0})));
 }
 
@@ -144,13 +144,19 @@ TEST(Sky, WhitePaperInTheNoonSunIsAboutOne) {
 class Shape : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(
     , Shape,
-    testing::Values(Case{"rectangle", register_rectangle, 
-                         R"({ "from": [1, 3, 0], "to": [0, 0, 0], "width": 2, "height": 1 })", {1, 3, 0}, 0.15f},
-                    Case{"tiny_rectangle", register_rectangle, 
-                         R"({ "from": [1, 3, 0], "width": 0.003, "height": 0.001 })", {1, 3, 0}, 2e-7f},
-                    Case{"sphere", register_sphere, R"({ "center": [1, 3, 0], "radius": 1 })", {1, 3, 0}, 0.08f},
-                    Case{"far_sphere", register_sphere,
-                         R"({ "center": [1, 300, 0], "radius": 0.5 })", {1, 300, 0}, 3e-6f}),
+    testing::Values(
+        Case{"rectangle",
+             register_rectangle,
+             R"({ "from": [1, 3, 0], "to": [0, 0, 0], "width": 2, "height": 1 })",
+             {1, 3, 0},
+             0.15f},
+        Case{"tiny_rectangle",
+             register_rectangle,
+             R"({ "from": [1, 3, 0], "width": 0.003, "height": 0.001 })",
+             {1, 3, 0},
+             2e-7f},
+        Case{"sphere", register_sphere, R"({ "center": [1, 3, 0], "radius": 1 })", {1, 3, 0}, 0.08f},
+        Case{"far_sphere", register_sphere, R"({ "center": [1, 300, 0], "radius": 0.5 })", {1, 300, 0}, 3e-6f}),
     [](const auto& test) { return test.param.name; });
 
 TEST_P(Shape, SamplesLieOnTheShapeThatRaysMeet) {
@@ -221,8 +227,8 @@ TEST(Sphere, IrradianceIsTheClosedForm) {
 TEST(Sphere, GivesNoLightInsideUnlessTwoSided) {
   const auto one = make<Light>(register_sphere, R"({ "center": [0, 0, 0], "radius": 2 })");
   EXPECT_EQ(one->sample({0.5f, 0, 0}, {0.5f, 0.5f}).pdf, 0);
-  const auto two = make<Light>(register_sphere,
-                               R"({ "center": [0, 0, 0], "radius": 2, "intensity": 1, "two_sided": true })");
+  const auto two =
+      make<Light>(register_sphere, R"({ "center": [0, 0, 0], "radius": 2, "intensity": 1, "two_sided": true })");
   EXPECT_NEAR(irradiance(*two, {0.5f, 0, 0}, {0, 1, 0}), pi, 1e-2);
 }
 
@@ -251,8 +257,8 @@ TEST(Rectangle, SamplingByAreaAndBySolidAngleAgree) {
 TEST(Rectangle, BackIsDarkUnlessTwoSided) {
   const auto one = make<Light>(register_rectangle, R"({ "from": [0, 3, 0], "to": [0, 0, 0], "up": [0, 0, 1] })");
   EXPECT_EQ(one->sample({0, 5, 0}, {0.5f, 0.5f}).pdf, 0);
-  const auto two = make<Light>(register_rectangle,
-                               R"({ "from": [0, 3, 0], "to": [0, 0, 0], "up": [0, 0, 1], "two_sided": true })");
+  const auto two =
+      make<Light>(register_rectangle, R"({ "from": [0, 3, 0], "to": [0, 0, 0], "up": [0, 0, 1], "two_sided": true })");
   const LightSample s = two->sample({0, 5, 0}, {0.5f, 0.5f});
   EXPECT_GT(s.pdf, 0);
   EXPECT_NEAR(s.direction.y, -1, 1e-4f);

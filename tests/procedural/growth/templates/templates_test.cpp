@@ -78,11 +78,10 @@ TEST(Segment, BendLeansTowardsItsDirection) {
 TEST(Segment, TropismTurnsTowardsTheWorldDirectionButNotBeyond) {
   const auto angle_to_x = [](const char* strength) {
     const Derivation d(
-        hexagon,
-        {fmt::format(
-            R"json({{ "grow": 1, "rules": {{ "x": {{ "template": "segment", "tropism": {}, "toward": [2, 0, 0],
+        hexagon, {fmt::format(
+                     R"json({{ "grow": 1, "rules": {{ "x": {{ "template": "segment", "tropism": {}, "toward": [2, 0, 0],
     "faces": {{ "cap": "y" }} }} }} }})json",
-            strength)});
+                     strength)});
     const Mesh mesh = d.grown();
     return std::acos(face_frame(mesh, faces_with(mesh, d.symbols->find("y"))[0]).z.x);
   };
@@ -93,9 +92,8 @@ TEST(Segment, TropismTurnsTowardsTheWorldDirectionButNotBeyond) {
 }
 
 TEST(Segment, UFollowsTheCornersAndVTheLength) {
-  const Derivation d(
-      octagon,
-      {R"json({ "grow": 1, "rules": { "shoot(l)": { "template": "segment", "length": 3, "faces": {
+  const Derivation d(octagon,
+                     {R"json({ "grow": 1, "rules": { "shoot(l)": { "template": "segment", "length": 3, "faces": {
     "cap": "y" } } } })json"});
   const Mesh mesh = d.grown();
   const std::uint32_t cap = faces_with(mesh, d.symbols->find("y"))[0];
@@ -107,8 +105,7 @@ TEST(Segment, UFollowsTheCornersAndVTheLength) {
 
 TEST(Box, NamesEachSideAndTheGroupForTheRest) {
   const Derivation d(
-      cube,
-      {R"json({ "grow": 1, "rules": { "x": { "template": "box", "height": 2, "faces": { "front": "f", "side": "s",
+      cube, {R"json({ "grow": 1, "rules": { "x": { "template": "box", "height": 2, "faces": { "front": "f", "side": "s",
     "top": "t" } } } })json"});
   const FaceFrame before = face_frame(d.base, faces_with(d.base, d.symbols->find("x"))[0]);
   const Mesh mesh = d.grown();
@@ -142,8 +139,7 @@ TEST(Spike, EndsInOneTip) {
 
 TEST(Extrude, DrawsInAndPushesIn) {
   const Derivation d(
-      hexagon,
-      {R"json({ "grow": 1, "rules": { "x": { "template": "extrude", "inset": 0.25, "height": -0.5, "taper": 2,
+      hexagon, {R"json({ "grow": 1, "rules": { "x": { "template": "extrude", "inset": 0.25, "height": -0.5, "taper": 2,
     "faces": { "cap": "y" } } } })json"});
   const Mesh mesh = d.grown();
   const FaceFrame cap = face_frame(mesh, faces_with(mesh, d.symbols->find("y"))[0]);

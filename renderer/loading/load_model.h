@@ -12,7 +12,7 @@ namespace meristem {
 
 struct ModelSection {
   const Value* base = nullptr;
-  std::string material;             // empty: the default
+  std::string material;  // empty: the default
   const Value* steps = nullptr;
 };
 ModelSection read_model(Params& params);
@@ -20,11 +20,12 @@ ModelSection read_model(Params& params);
 // What a model needs of the scene around it.
 struct ModelContext {
   std::function<int(const std::string& name, const Location& where)> material_index;  // reports unknown names itself
-  std::string folder;  // of the scene's assets
+  std::string folder;                                                                 // of the scene's assets
   Diagnostics& diagnostics;
 };
 
 // Builds the model called `name` in the variant `seed`. Null, with errors in the diagnostics, if it cannot be.
-std::shared_ptr<const Model> build_model(const std::string& name, const Value& value, int seed, const ModelContext& context);
+std::shared_ptr<const Model> build_model(const std::string& name, const Value& value, int seed,
+                                         const ModelContext& context);
 
 }  // namespace meristem

@@ -1,12 +1,12 @@
-#include "renderer/scene/all_components.h"
+#include "renderer/loading/all_components.h"
 
 #include "procedural/components.h"
 #include "procedural/growth/grow_step.h"
 #include "procedural/subdivision/subdivide.h"
 #include "renderer/components.h"
-#include "renderer/scene/load_model.h"
-#include "renderer/scene/load_settings.h"
-#include "renderer/scene/load_world.h"
+#include "renderer/loading/load_model.h"
+#include "renderer/loading/load_settings.h"
+#include "renderer/loading/load_world.h"
 
 namespace meristem {
 
@@ -25,12 +25,16 @@ ComponentInfo info_of(const char* kind, const char* name, const char* doc, Read 
 Catalogue make_catalogue() {
   const Components& all = all_components();
   Catalogue result;
-  auto add = [&](const std::vector<ComponentInfo>& infos) { result.components.insert(result.components.end(), infos.begin(), infos.end()); };
-  add({info_of("section", "model", "what an object is made of: a base mesh and the steps that refine it and let it grow", read_model),
+  auto add = [&](const std::vector<ComponentInfo>& infos) {
+    result.components.insert(result.components.end(), infos.begin(), infos.end());
+  };
+  add({info_of("section", "model",
+               "what an object is made of: a base mesh and the steps that refine it and let it grow", read_model),
        info_of("section", "object", "a model placed in the world", read_object),
        info_of("section", "render", "size, quality and memory of the image", read_render)});
   add(all.bases.infos());
-  add({info_of("step", "subdivide", "generalized subdivision: refinement by a scheme, then vertex placement by an expression",
+  add({info_of("step", "subdivide",
+               "generalized subdivision: refinement by a scheme, then vertex placement by an expression",
                [](Params& p) { read_subdivide(p, 1, 0); }),
        grow_step_info(), Production::info()});
   add(all.templates.infos());
@@ -40,8 +44,11 @@ Catalogue make_catalogue() {
   add(all.integrators.infos());
   add(all.samplers.infos());
   add(all.filters.infos());
-  result.default_types = {{"camera", default_camera}, {"material", default_material}, {"integrator", default_integrator},
-                          {"sampler", default_sampler}, {"filter", default_filter}};
+  result.default_types = {{"camera", default_camera},
+                          {"material", default_material},
+                          {"integrator", default_integrator},
+                          {"sampler", default_sampler},
+                          {"filter", default_filter}};
   return result;
 }
 

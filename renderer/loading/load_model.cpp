@@ -1,10 +1,10 @@
-#include "renderer/scene/load_model.h"
+#include "renderer/loading/load_model.h"
 
 #include "geometry/mesh/adjacency.h"
 #include "procedural/growth/forecast.h"
 #include "procedural/growth/grow_step.h"
 #include "procedural/subdivision/subdivide.h"
-#include "renderer/scene/all_components.h"
+#include "renderer/loading/all_components.h"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,11 @@ constexpr int most_levels = 64;
 class ModelBuilder {
  public:
   ModelBuilder(const std::string& name, const Value& value, int seed, const ModelContext& context)
-      : name_(name), context_(context), diagnostics_(context.diagnostics), seed_(hash_keys(hash_text(name), Key(seed))), value_(value) {}
+      : name_(name),
+        context_(context),
+        diagnostics_(context.diagnostics),
+        seed_(hash_keys(hash_text(name), Key(seed))),
+        value_(value) {}
 
   std::shared_ptr<const Model> build() {
     const std::size_t errors_before = diagnostics_.list().size();
@@ -51,7 +55,8 @@ class ModelBuilder {
   }
 
   Mesh build_base(const ModelSection& section, Params& params) {
-    const int material = section.material.empty() ? 0 : context_.material_index(section.material, params.location_of("material"));
+    const int material =
+        section.material.empty() ? 0 : context_.material_index(section.material, params.location_of("material"));
     const auto shape = all_components().bases.create(*section.base, "", diagnostics_);
     if (!shape) return {};
     BaseContext context{*symbols_, diagnostics_, seed_, material, context_.folder};
@@ -65,10 +70,12 @@ class ModelBuilder {
 
   void read_steps(const Value& steps) {
     if (steps.kind != Value::Kind::Array)
-      return diagnostics_.error(steps.location, fmt::format("\"steps\" is an array of steps, found {}", steps.kind_name()));
+      return diagnostics_.error(steps.location,
+                                fmt::format("\"steps\" is an array of steps, found {}", steps.kind_name()));
     for (const Value& step : steps.items) read_step(step);
     if (int(steps_.size()) > most_levels)
-      diagnostics_.error(steps.location, fmt::format("the steps make {} levels; the limit is {}", steps_.size(), most_levels));
+      diagnostics_.error(steps.location,
+                         fmt::format("the steps make {} levels; the limit is {}", steps_.size(), most_levels));
   }
 
   void read_step(const Value& step) {
@@ -109,7 +116,8 @@ ModelSection read_model(Params& params) {
   return section;
 }
 
-std::shared_ptr<const Model> build_model(const std::string& name, const Value& value, int seed, const ModelContext& context) {
+std::shared_ptr<const Model> build_model(const std::string& name, const Value& value, int seed,
+                                         const ModelContext& context) {
   return ModelBuilder(name, value, seed, context).build();
 }
 

@@ -1,11 +1,11 @@
-#include "renderer/scene/load_scene.h"
+#include "renderer/loading/load_scene.h"
 
 #include "geometry/base/parallel.h"
 #include "geometry/base/sha256.h"
 #include "renderer/language/scene_file.h"
-#include "renderer/scene/all_components.h"
-#include "renderer/scene/load_settings.h"
-#include "renderer/scene/load_world.h"
+#include "renderer/loading/all_components.h"
+#include "renderer/loading/load_settings.h"
+#include "renderer/loading/load_world.h"
 
 #include <fmt/format.h>
 
@@ -39,7 +39,9 @@ class SceneBuilder {
     add_lights(lights);
     choose_camera(file, camera, cameras);
     add_render(render);
-    const ModelContext context{[this](const std::string& name, const Location& where) { return material_index(name, where); }, folder(), diagnostics_};
+    const ModelContext context{
+        [this](const std::string& name, const Location& where) { return material_index(name, where); }, folder(),
+        diagnostics_};
     std::vector<WorldObject> world = build_objects(models, objects, context);
     diagnostics_.throw_if_errors();
 
@@ -51,13 +53,16 @@ class SceneBuilder {
 
  private:
   std::string folder() const {
-    return path_ == "-" ? std::filesystem::current_path().string() : std::filesystem::absolute(path_).parent_path().string();
+    return path_ == "-" ? std::filesystem::current_path().string()
+                        : std::filesystem::absolute(path_).parent_path().string();
   }
 
   const Value* section(Params& params, const char* name, Value::Kind kind) {
     const Value* value = params.raw(name, false, "", "");
     if (!value || value->kind == kind) return value;
-    diagnostics_.error(value->location, fmt::format("\"{}\" is {}, found {}", name, kind == Value::Kind::Array ? "an array" : "an object", value->kind_name()));
+    diagnostics_.error(value->location,
+                       fmt::format("\"{}\" is {}, found {}", name,
+                                   kind == Value::Kind::Array ? "an array" : "an object", value->kind_name()));
     return nullptr;
   }
 
@@ -88,15 +93,17 @@ class SceneBuilder {
     std::vector<std::string> names;
     for (const auto& [known, index] : material_names_) names.push_back(known);
     const std::string_view near = nearest_name(name, names);
-    diagnostics_.error(where, fmt::format("no material named \"{}\"{}; known: {}", name,
-                                          near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), fmt::join(names, ", ")));
+    diagnostics_.error(
+        where, fmt::format("no material named \"{}\"{}; known: {}", name,
+                           near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), fmt::join(names, ", ")));
     return 0;
   }
 
   void add_lights(const Value* lights) {
     if (!lights) return;
     for (const Value& light : lights->items)
-      if (auto made = all_components().lights.create(light, "", diagnostics_)) scene_->lights.push_back(std::move(made));
+      if (auto made = all_components().lights.create(light, "", diagnostics_))
+        scene_->lights.push_back(std::move(made));
   }
 
   // "camera" is one, "cameras" are several by name; --camera picks one of these.
@@ -113,7 +120,8 @@ class SceneBuilder {
         if (options_.camera.empty() ? !chosen : m.key == options_.camera) chosen = &m.value;
     if (!chosen)
       diagnostics_.error(file.location, options_.camera.empty() ? std::string("the scene has no \"camera\"")
-                                                                : fmt::format("no camera named \"{}\"; known: {}", options_.camera, fmt::join(names, ", ")));
+                                                                : fmt::format("no camera named \"{}\"; known: {}",
+                                                                              options_.camera, fmt::join(names, ", ")));
     Diagnostics reported_already;
     if (chosen) scene_->camera = all_components().cameras.create(*chosen, default_camera, reported_already);
   }
@@ -148,6 +156,8 @@ class SceneBuilder {
 
 }  // namespace
 
-LoadedScene load_scene(const std::string& path, const LoadOptions& options) { return SceneBuilder(path, options).build(); }
+LoadedScene load_scene(const std::string& path, const LoadOptions& options) {
+  return SceneBuilder(path, options).build();
+}
 
 }  // namespace meristem

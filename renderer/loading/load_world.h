@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/accel/world.h"
-#include "renderer/scene/load_model.h"
+#include "renderer/loading/load_model.h"
 
 namespace meristem {
 
@@ -13,8 +13,8 @@ struct ObjectSection {
 };
 ObjectSection read_object(Params& params);
 
-// Builds every model that an object names (once for each seed), and places the objects. `models` and `objects` are the sections
-// as written; null if absent.
+// Builds every model that an object names (once for each seed), and places the objects. `models` and `objects` are the
+// sections as written; null if absent.
 std::vector<WorldObject> build_objects(const Value* models, const Value* objects, const ModelContext& context);
 
 }  // namespace meristem

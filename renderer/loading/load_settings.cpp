@@ -1,4 +1,4 @@
-#include "renderer/scene/load_settings.h"
+#include "renderer/loading/load_settings.h"
 
 #include <cctype>
 #include <charconv>
@@ -12,14 +12,17 @@ namespace {
 constexpr int largest_side = 65536;
 
 void read_size(Params& params, RenderSettings& settings) {
-  const Value* size = params.raw("size", false,
-                                 R"({"type": "array", "items": {"type": "integer", "minimum": 1, "maximum": 65536}, "minItems": 2, "maxItems": 2, "default": [1280, 720]})",
-                                 "width and height of the image in pixels");
+  const Value* size = params.raw(
+      "size", false,
+      R"({"type": "array", "items": {"type": "integer", "minimum": 1, "maximum": 65536}, "minItems": 2, "maxItems": 2, "default": [1280, 720]})",
+      "width and height of the image in pixels");
   if (!size) return;
   auto is_side = [](const Value& v) {
-    return v.kind == Value::Kind::Number && v.number >= 1 && v.number <= largest_side && v.number == std::floor(v.number);
+    return v.kind == Value::Kind::Number && v.number >= 1 && v.number <= largest_side &&
+           v.number == std::floor(v.number);
   };
-  if (size->kind != Value::Kind::Array || size->items.size() != 2 || !is_side(size->items[0]) || !is_side(size->items[1]))
+  if (size->kind != Value::Kind::Array || size->items.size() != 2 || !is_side(size->items[0]) ||
+      !is_side(size->items[1]))
     return params.error("size", "\"size\" is [width, height] in whole pixels from 1 to 65536");
   settings.width = int(size->items[0].number);
   settings.height = int(size->items[1].number);
@@ -50,16 +53,20 @@ RenderSection read_render(Params& params) {
   RenderSettings& s = section.settings;
   read_size(params, s);
   s.samples = params.integer("samples", s.samples, {1, 1 << 20, ""}, "camera paths for each pixel");
-  s.max_depth = params.integer("max_depth", s.max_depth, {0, 1024, ""}, "bounces of a path at most; 0: direct light only");
-  s.seed = std::uint64_t(params.integer("seed", 0, {0, 2147483647, ""}, "another seed gives other noise, not another scene"));
+  s.max_depth =
+      params.integer("max_depth", s.max_depth, {0, 1024, ""}, "bounces of a path at most; 0: direct light only");
+  s.seed = std::uint64_t(
+      params.integer("seed", 0, {0, 2147483647, ""}, "another seed gives other noise, not another scene"));
   const std::string budget = params.text("budget", "2G", "memory for expanded geometry, such as 512M or 2G");
   if (const auto bytes = parse_bytes(budget))
     s.budget_bytes = *bytes;
   else
     params.error("budget", "\"budget\" is a number of bytes such as \"512M\" or \"2G\"");
-  section.integrator = params.raw("integrator", false, R"({"$ref": "#/definitions/integrator"})", "how light is gathered");
+  section.integrator =
+      params.raw("integrator", false, R"({"$ref": "#/definitions/integrator"})", "how light is gathered");
   section.sampler = params.raw("sampler", false, R"({"$ref": "#/definitions/sampler"})", "where samples lie");
-  section.filter = params.raw("filter", false, R"({"$ref": "#/definitions/filter"})", "reconstruction filter of the film");
+  section.filter =
+      params.raw("filter", false, R"({"$ref": "#/definitions/filter"})", "reconstruction filter of the film");
   return section;
 }
 

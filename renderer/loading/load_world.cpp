@@ -1,4 +1,4 @@
-#include "renderer/scene/load_world.h"
+#include "renderer/loading/load_world.h"
 
 #include <fmt/format.h>
 
@@ -17,14 +17,17 @@ Affine3d placement(Vec3d position, Vec3d rotate, Vec3d scale) {
 
 // Scale as one number or three, none of them zero.
 Vec3d read_scale(Params& params) {
-  const Value* scale = params.raw("scale", false, R"({"oneOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}], "default": 1})",
-                                  "size: one number, or one along each axis");
+  const Value* scale = params.raw(
+      "scale", false,
+      R"({"oneOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}], "default": 1})",
+      "size: one number, or one along each axis");
   if (!scale) return Vec3d(1);
   Vec3d s(1);
   auto is_number = [](const Value& v) { return v.kind == Value::Kind::Number && v.number != 0; };
   if (is_number(*scale))
     s = Vec3d(scale->number);
-  else if (scale->kind == Value::Kind::Array && scale->items.size() == 3 && is_number(scale->items[0]) && is_number(scale->items[1]) && is_number(scale->items[2]))
+  else if (scale->kind == Value::Kind::Array && scale->items.size() == 3 && is_number(scale->items[0]) &&
+           is_number(scale->items[1]) && is_number(scale->items[2]))
     s = {scale->items[0].number, scale->items[1].number, scale->items[2].number};
   else
     params.error("scale", "\"scale\" is a number or [x, y, z], none of them 0");
@@ -37,7 +40,8 @@ class ObjectBuilder {
 
   void add(const Value& value) {
     if (value.kind != Value::Kind::Object)
-      return context_.diagnostics.error(value.location, fmt::format("an object is {{\"model\": name, ...}}, found {}", value.kind_name()));
+      return context_.diagnostics.error(
+          value.location, fmt::format("an object is {{\"model\": name, ...}}, found {}", value.kind_name()));
     Params params(value, "object", context_.diagnostics);
     const ObjectSection section = read_object(params);
     params.finish();
@@ -71,8 +75,8 @@ class ObjectBuilder {
     if (models_)
       for (const Member& m : models_->members) names.push_back(m.key);
     const std::string_view near = nearest_name(name, names);
-    return fmt::format("no model named \"{}\"{}; known: {}", name, near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near),
-                       fmt::join(names, ", "));
+    return fmt::format("no model named \"{}\"{}; known: {}", name,
+                       near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), fmt::join(names, ", "));
   }
 
   struct Built {
@@ -91,9 +95,11 @@ class ObjectBuilder {
 ObjectSection read_object(Params& params) {
   ObjectSection section;
   section.model = params.required_text("model", "name of one of the file's models");
-  section.seed = params.integer("seed", 0, {0, 2147483647, ""}, "another seed grows another individual of the same kind");
+  section.seed =
+      params.integer("seed", 0, {0, 2147483647, ""}, "another seed grows another individual of the same kind");
   const Vec3d position = params.vector("position", {0, 0, 0}, any_range, "where the model's origin stands, in metres");
-  const Vec3d rotate = params.vector("rotate", {0, 0, 0}, {-36000, 36000, "deg"}, "turns about x, y and z: first z, then x, then y");
+  const Vec3d rotate =
+      params.vector("rotate", {0, 0, 0}, {-36000, 36000, "deg"}, "turns about x, y and z: first z, then x, then y");
   section.to_world = placement(position, rotate, read_scale(params));
   return section;
 }
@@ -103,7 +109,8 @@ std::vector<WorldObject> build_objects(const Value* models, const Value* objects
   if (objects && objects->kind == Value::Kind::Array)
     for (const Value& object : objects->items) builder.add(object);
   else if (objects)
-    context.diagnostics.error(objects->location, fmt::format("\"objects\" is an array, found {}", objects->kind_name()));
+    context.diagnostics.error(objects->location,
+                              fmt::format("\"objects\" is an array, found {}", objects->kind_name()));
   builder.check_unused();
   return builder.take();
 }
