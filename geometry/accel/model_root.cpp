@@ -22,6 +22,7 @@ void ExpansionCounts::add(const Model& model, const Expansion& expansion, double
 
 void ExpansionCounts::add_defect(std::string message) {
   const std::lock_guard lock(mutex_);
+  ++failed_;
   defects_.insert(std::move(message));
 }
 
@@ -29,6 +30,7 @@ void ExpansionCounts::write(ExpansionStatistics& statistics) const {
   const std::lock_guard lock(mutex_);
   statistics.faces = faces_;
   statistics.time_s = time_s_;
+  statistics.failed = failed_;
   statistics.by_step = by_step_;
   statistics.defects.assign(defects_.begin(), defects_.end());
 }

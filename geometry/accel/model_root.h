@@ -24,7 +24,7 @@ struct RayContext {
 class ExpansionCounts {
  public:
   void add(const Model& model, const Expansion& expansion, double seconds);
-  void add_defect(std::string message);  // a cell that left its bounds or could not be expanded: kept once each
+  void add_defect(std::string message);  // a cell that left its bounds or could not be expanded: each text kept once
   void write(ExpansionStatistics& statistics) const;
 
  private:
@@ -32,6 +32,7 @@ class ExpansionCounts {
   std::uint64_t faces_ = 0;
   double time_s_ = 0;
   std::vector<StepStatistics> by_step_;  // by name, in order of appearance
+  std::uint64_t failed_ = 0;
   std::set<std::string> defects_;
 };
 

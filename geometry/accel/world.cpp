@@ -72,7 +72,7 @@ class World final : public Intersector {
     s.cells_expanded = c.expansions;
     s.reexpanded = c.reexpansions;
     s.evicted = c.evictions;
-    s.failed = c.failures + s.defects.size();
+    s.failed += c.failures;
     s.waits = c.waits;
     s.resident_bytes_peak = c.resident_bytes_peak;
     s.limbo_bytes_peak = c.limbo_bytes_peak;

@@ -6,6 +6,7 @@
 #include <tbb/task_arena.h>
 #include <xmmintrin.h>
 
+#include <atomic>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -43,10 +44,17 @@ void run_threads(int n, const std::function<void(int)>& work) {
 }
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
+#ifdef MERISTEM_TSAN
+  std::atomic<std::size_t> next{0};
+  run_threads(default_thread_count(), [&](int) {
+    for (std::size_t i; (i = next.fetch_add(1)) < count;) body(i);
+  });
+#else
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
     flush_denormals();
     body(i);
   });
+#endif
 }
 
 void run_isolated(const std::function<void()>& f) {

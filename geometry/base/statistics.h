@@ -19,7 +19,7 @@ struct ExpansionStatistics {
   std::uint64_t cells_expanded = 0;  // all expansions, the repeated ones among them
   std::uint64_t reexpanded = 0;      // of these: cells that had been expanded and evicted before
   std::uint64_t evicted = 0;
-  std::uint64_t failed = 0;  // cells drawn as their bounds
+  std::uint64_t failed = 0;  // of the expansions: cells drawn as their bounds, or that reach beyond them
   std::uint64_t faces = 0;   // owned faces made
   double time_s = 0;
   std::uint64_t waits = 0;         // times a thread slept for a cell that another one expanded

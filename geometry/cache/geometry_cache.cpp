@@ -8,7 +8,41 @@ namespace meristem {
 
 namespace {
 
-std::atomic<int> next_thread_index{0};
+// The indices of threads that live now: the smallest free one for each, so that threads which come and go share few.
+class ThreadIndices {
+ public:
+  int take() {
+    const std::lock_guard lock(mutex_);
+    const auto free = std::find(is_taken_.begin(), is_taken_.end(), false);
+    CHECK(free != is_taken_.end(), "{} threads use a geometry cache at once; the limit is {}",
+          GeometryCache::max_threads + 1, GeometryCache::max_threads);
+    *free = true;
+    const int index = int(free - is_taken_.begin());
+    if (index >= count_.load()) count_.store(index + 1);
+    return index;
+  }
+  void give_back(int index) {
+    const std::lock_guard lock(mutex_);
+    is_taken_[std::size_t(index)] = false;
+  }
+  // Every index ever taken is below; grows before the thread that makes it grow enters a cache.
+  int count() const { return count_.load(); }
+
+ private:
+  std::mutex mutex_;
+  std::array<bool, GeometryCache::max_threads> is_taken_{};
+  std::atomic<int> count_{0};
+};
+
+ThreadIndices thread_indices;
+
+struct ThreadIndexLease {
+  const int index = thread_indices.take();
+  ThreadIndexLease() = default;
+  ~ThreadIndexLease() { thread_indices.give_back(index); }
+  ThreadIndexLease(const ThreadIndexLease&) = delete;
+  ThreadIndexLease& operator=(const ThreadIndexLease&) = delete;
+};
 
 }  // namespace
 
@@ -23,8 +57,8 @@ GeometryCache::~GeometryCache() {
 }
 
 int GeometryCache::thread_index() {
-  thread_local const int index = next_thread_index.fetch_add(1) % max_threads;
-  return index;
+  thread_local const ThreadIndexLease lease;
+  return lease.index;
 }
 
 CacheEntry* GeometryCache::acquire_slow(CacheSlot& slot, CacheEntry* parent, const Expand& expand) {
@@ -139,7 +173,8 @@ void GeometryCache::send_to_limbo(CacheEntry* entry) {
 
 std::uint64_t GeometryCache::oldest_epoch() const {
   std::uint64_t oldest = outside;
-  for (const ThreadEpoch& t : threads_) oldest = std::min(oldest, t.epoch.load());
+  const int count = thread_indices.count();
+  for (int i = 0; i < count; ++i) oldest = std::min(oldest, threads_[std::size_t(i)].epoch.load());
   return oldest;
 }
 

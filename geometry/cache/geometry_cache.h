@@ -10,7 +10,7 @@
 // uses stays valid. Resident bytes exceed the budget by no more than the cells being expanded at the moment; what
 // cannot be evicted (ancestors of cells in use) stays.
 //
-// Threads: up to max_threads at once.
+// Threads: up to max_threads at once; more are a CHECK.
 #pragma once
 
 #include <array>
@@ -67,7 +67,7 @@ struct CacheStatistics {
 
 class GeometryCache {
  public:
-  static constexpr int max_threads = 256;
+  static constexpr int max_threads = 1088;  // the most that --threads allows, and some
 
   explicit GeometryCache(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
   ~GeometryCache();
@@ -113,8 +113,7 @@ class GeometryCache {
   void send_to_limbo(CacheEntry* entry);
   void reclaim();
   std::uint64_t oldest_epoch() const;
-  // Threads get an index once and keep it for life; with more than max_threads of them it is used again, which is safe
-  // while no two of these are inside at once.
+  // Of the calling thread for its life, in all caches; given to another thread after it.
   static int thread_index();
 
   static constexpr std::uint64_t outside = ~std::uint64_t(0);

@@ -11,7 +11,7 @@ namespace {
 
 // Faces of the mesh ahead for each final face of the model: with 1/16, two levels of Catmull-Clark are left to
 // analysis.
-constexpr double probe_share = 1.0 / 16;
+constexpr double probe_share = 1.0 / 64;
 constexpr std::uint32_t most_probe_faces = 1u << 18;
 
 // What analysis needs of one face and its neighbours; joined by union.

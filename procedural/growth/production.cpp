@@ -107,7 +107,7 @@ void Production::read_faces(const Value* faces, const Symbols& variables, GrowCo
 }
 
 ComponentInfo Production::info() {
-  return {"rule", "rule", "A rule of a grow step; further keys are those of its template", [] {
+  return {"production", "production", "A rule of a grow step; further keys are those of its template", [] {
             std::vector<ParamInfo> infos;
             Params params(infos);
             const Symbols variables;

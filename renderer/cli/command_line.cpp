@@ -180,8 +180,10 @@ class CommandLine {
 
   void add_describe() {
     CLI::App& command = *app_.add_subcommand("describe", "manual pages of components; without NAME, their list");
-    command.add_option("NAME", described_, "a component, or a kind of components");
-    command.final_callback([this] { exit_code_ = describe_command(described_); });
+    CLI::Option* name = command.add_option("NAME", described_, "a component, or a kind of components");
+    command.add_flag("--markdown", describe_markdown_, "all pages as one Markdown document")->excludes(name);
+    command.final_callback(
+        [this] { exit_code_ = describe_markdown_ ? describe_markdown_command() : describe_command(described_); });
   }
 
   const SceneLoader& load_;
@@ -190,6 +192,7 @@ class CommandLine {
   RenderOptions compared_;  // parsed for their errors; the children get the text
   CompareOptions compare_;
   std::string checked_scene_, described_;
+  bool describe_markdown_ = false;
   int exit_code_ = 0;
 };
 

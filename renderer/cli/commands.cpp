@@ -61,6 +61,11 @@ int describe_command(const std::string& name) {
   return int(ExitCode::Done);
 }
 
+int describe_markdown_command() {
+  print_result(markdown(catalogue()));
+  return int(ExitCode::Done);
+}
+
 int schema_command() {
   print_result(json_schema(catalogue()));
   return int(ExitCode::Done);

@@ -18,6 +18,7 @@ struct CompareOptions {
 int compare_command(const CompareOptions& options);
 int check_command(const std::string& scene, const SceneLoader& load);
 int describe_command(const std::string& name);
+int describe_markdown_command();
 int schema_command();
 
 }  // namespace meristem

@@ -117,8 +117,11 @@ bool report_faults(const RenderStatistics& s) {
     print_error(
         fmt::format("warning: {} samples were not finite and left out of the image", format_count(s.image.nonfinite)));
   if (s.expansion.failed > 0)
-    print_error(fmt::format("warning: {} cells could not be expanded and are drawn as their bounds",
+    print_error(fmt::format("warning: {} cells are drawn as their bounds or reach beyond them",
                             format_count(s.expansion.failed)));
+  for (const std::string& defect : s.expansion.defects) print_error("warning: " + defect);
+  if (s.expansion.invalid_rays > 0)
+    print_error(fmt::format("warning: {} rays were not finite and hit nothing", format_count(s.expansion.invalid_rays)));
   return s.image.nonfinite > 0 || s.expansion.failed > 0;
 }
 

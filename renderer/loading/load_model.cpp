@@ -37,7 +37,7 @@ class ModelBuilder {
     check_corner_counts(base, steps_, diagnostics_);
     if (has_errors_since(errors_before)) return nullptr;
     try {
-      return std::make_shared<const Model>(seed_name(), std::move(base), std::move(steps_));
+      return std::make_shared<const Model>(seed_name(), std::move(base), std::move(steps_), context_.cells);
     } catch (const std::runtime_error& error) {
       diagnostics_.error(value_.location, error.what());
       return nullptr;

@@ -22,6 +22,7 @@ struct ModelContext {
   std::function<int(const std::string& name, const Location& where)> material_index;  // reports unknown names itself
   std::string folder;                                                                 // of the scene's assets
   Diagnostics& diagnostics;
+  CellSettings cells = {};
 };
 
 // Builds the model called `name` in the variant `seed`. Null, with errors in the diagnostics, if it cannot be.

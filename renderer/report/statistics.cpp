@@ -42,13 +42,19 @@ Value step_value(const StepStatistics& s) {
 Value expansion_value(const ExpansionStatistics& e) {
   std::vector<Value> steps;
   for (const StepStatistics& step : e.by_step) steps.push_back(step_value(step));
+  std::vector<Value> defects;
+  for (const std::string& defect : e.defects) defects.push_back(json::text(defect));
   return json::object({{"cells_expanded", json::count(e.cells_expanded)},
                        {"reexpanded", json::count(e.reexpanded)},
                        {"evicted", json::count(e.evicted)},
                        {"failed", json::count(e.failed)},
                        {"faces", json::count(e.faces)},
                        {"time_s", seconds(e.time_s)},
+                       {"waits", json::count(e.waits)},
+                       {"invalid_rays", json::count(e.invalid_rays)},
                        {"resident_bytes_peak", json::count(e.resident_bytes_peak)},
+                       {"limbo_bytes_peak", json::count(e.limbo_bytes_peak)},
+                       {"defects", json::array(std::move(defects))},
                        {"by_step", json::array(std::move(steps))}});
 }
 
@@ -103,9 +109,9 @@ std::string details(const RenderStatistics& s) {
   std::string text = fmt::format("threads {}, load {:.2f} s, render {:.2f} s\n", s.threads, s.load_s, s.render_s);
   text += fmt::format("rays: camera {}, bounce {}, shadow {}\n", format_count(s.rays.camera),
                       format_count(s.rays.bounce), format_count(s.rays.shadow));
-  text += fmt::format("cells: expanded {} (again {}), evicted {}, failed {}; at most {} resident\n",
+  text += fmt::format("cells: expanded {} (again {}), evicted {}, failed {}; at most {} resident, {} leaving\n",
                       format_count(e.cells_expanded), format_count(e.reexpanded), format_count(e.evicted),
-                      format_count(e.failed), format_bytes(e.resident_bytes_peak));
+                      format_count(e.failed), format_bytes(e.resident_bytes_peak), format_bytes(e.limbo_bytes_peak));
   for (const StepStatistics& step : e.by_step)
     text += fmt::format("  {:<28} {:>12} cells {:>14} faces {:>9.3f} s\n", step.step, format_count(step.cells),
                         format_count(step.faces), step.time_s);

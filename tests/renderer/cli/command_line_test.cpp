@@ -25,6 +25,7 @@ class WorldWithFailures : public EmptyWorld {
   ExpansionStatistics statistics() const override {
     ExpansionStatistics s;
     s.failed = 2;
+    s.defects = {"a cell left its bounds"};
     return s;
   }
 };
@@ -150,7 +151,8 @@ TEST_F(CommandLineTest, UsageErrorsEndAsTwoBeforeAnythingIsLoaded) {
                                                     {"render", "a.jsonc", "b.jsonc"},
                                                     {"compare", "-"},
                                                     {"compare", "a.jsonc", "--runs", "0"},
-                                                    {"describe", "no such component"}};
+                                                    {"describe", "no such component"},
+                                                    {"describe", "sky", "--markdown"}};
   for (const auto& arguments : wrong) {
     EXPECT_EQ(run(arguments), 2) << testing::PrintToString(arguments);
     EXPECT_NE(error_, "") << testing::PrintToString(arguments);
@@ -207,6 +209,7 @@ TEST_F(CommandLineTest, FaultsWhileRenderingEndAsThreeWithTheImageWritten) {
   failures_ = true;
   EXPECT_EQ(run({"render", "a.jsonc", "-o", "b.exr"}), 3);
   EXPECT_NE(error_.find("2 cells"), std::string::npos);
+  EXPECT_NE(error_.find("warning: a cell left its bounds"), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "b.exr"));
 }
 
@@ -246,7 +249,12 @@ TEST_F(CommandLineTest, CheckSaysWhatWasLoaded) {
 
 TEST_F(CommandLineTest, HelpVersionDescriptionAndSchemaGoToStandardOutput) {
   for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"--help"}, {"--version"}, {"render", "--help"}, {"describe"}, {"schema"}}) {
+       {std::vector<std::string>{"--help"},
+        {"--version"},
+        {"render", "--help"},
+        {"describe"},
+        {"describe", "--markdown"},
+        {"schema"}}) {
     EXPECT_EQ(run(arguments), 0);
     EXPECT_NE(out_, "") << arguments[0];
     EXPECT_EQ(error_, "");

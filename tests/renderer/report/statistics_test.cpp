@@ -28,6 +28,10 @@ RenderStatistics sample_statistics() {
   s.image = {640, 360, 5, std::string(64, 'b')};
   s.expansion.cells_expanded = 1234;
   s.expansion.faces = 5678901;
+  s.expansion.waits = 3;
+  s.expansion.invalid_rays = 4;
+  s.expansion.limbo_bytes_peak = 5;
+  s.expansion.defects = {"a cell left its bounds"};
   s.expansion.by_step = {{"grow 0", 34, 900, 0.125}, {"subdivide 1", 1200, 5678001, 1.5}};
   return s;
 }
@@ -57,6 +61,12 @@ TEST(RenderStatistics, JsonHoldsEveryFigureUnderItsName) {
   EXPECT_EQ(at(v, {"image", "nonfinite"}), 5);
   EXPECT_EQ(v.find("image")->find("sha256")->text, std::string(64, 'b'));
   EXPECT_EQ(at(v, {"expansion", "cells_expanded"}), 1234);
+  EXPECT_EQ(at(v, {"expansion", "waits"}), 3);
+  EXPECT_EQ(at(v, {"expansion", "invalid_rays"}), 4);
+  EXPECT_EQ(at(v, {"expansion", "limbo_bytes_peak"}), 5);
+  const Value& defects = *v.find("expansion")->find("defects");
+  ASSERT_EQ(defects.items.size(), 1u);
+  EXPECT_EQ(defects.items[0].text, "a cell left its bounds");
   const Value& steps = *v.find("expansion")->find("by_step");
   ASSERT_EQ(steps.items.size(), 2u);
   EXPECT_EQ(steps.items[1].find("step")->text, "subdivide 1");

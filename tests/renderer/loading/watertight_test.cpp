@@ -1,0 +1,137 @@
+// No ray passes between the cells of a closed model, were it aimed exactly at where they meet.
+#include "geometry/accel/world.h"
+#include "geometry/base/parallel.h"
+#include "geometry/cells/expansion.h"
+#include "tests/renderer/loading/branch_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <set>
+#include <tuple>
+
+namespace meristem {
+namespace {
+
+constexpr CellSettings small_cells{64, 256};
+
+using Corner = std::tuple<float, float, float>;
+using Edge = std::pair<Corner, Corner>;
+
+Corner corner(Vec3f p) { return {p.x, p.y, p.z}; }
+Vec3f position(const Corner& c) { return {std::get<0>(c), std::get<1>(c), std::get<2>(c)}; }
+
+std::set<Edge> edges_of(const Tessellation& t) {
+  std::set<Edge> edges;
+  const auto add = [&](std::uint32_t a, std::uint32_t b) {
+    edges.insert(std::minmax(corner(t.positions[a]), corner(t.positions[b])));
+  };
+  for (const auto& g : t.grids)
+    for (std::uint32_t j = 0; j < g.height; ++j)
+      for (std::uint32_t i = 0; i < g.width; ++i) {
+        const std::uint32_t v = g.first_vertex + j * g.width + i;
+        if (i + 1 < g.width) add(v, v + 1);
+        if (j + 1 < g.height) add(v, v + g.width);
+      }
+  for (const auto& [a, b, c] : t.triangles) add(a, b), add(b, c), add(c, a);
+  return edges;
+}
+
+void count_edges(const Model& model, CellMesh cell, int level, std::map<Edge, int>& leaves_with) {
+  const Expansion e = expand(model, std::move(cell), level);
+  if (e.leaf) {
+    for (const Edge& edge : edges_of(*e.leaf)) ++leaves_with[edge];
+    return;
+  }
+  for (std::size_t i = 0; i < e.inner->child_count(); ++i)
+    count_edges(model, child_cell(model, *e.inner, i), e.inner->level, leaves_with);
+}
+
+// The edges along which cells meet, by where they are.
+class Borders {
+ public:
+  explicit Borders(const Model& model) {
+    std::map<Edge, int> leaves_with;
+    count_edges(model, root_cell(model), 0, leaves_with);
+    for (const auto& [edge, leaves] : leaves_with)
+      if (leaves > 1) {
+        by_place_[place(position(edge.first))].push_back(edge);
+        ++count_;
+      }
+  }
+  std::size_t count() const { return count_; }
+
+  // A vertex of a border close to p, or a point on an edge of it; p if none is near.
+  Vec3f target(Vec3f p, Key key) const {
+    const auto near = by_place_.find(place(p));
+    if (near == by_place_.end()) return p;
+    const auto& [a, b] = near->second[key % near->second.size()];
+    const Vec3f from = position(a);
+    return key >> 32 & 1 ? from : from + (position(b) - from) * uniform_float(hash_keys(key, 1));
+  }
+
+ private:
+  static std::tuple<int, int, int> place(Vec3f p) {
+    const auto index = [](float x) { return int(std::floor(x / 0.1f)); };
+    return {index(p.x), index(p.y), index(p.z)};
+  }
+
+  std::map<std::tuple<int, int, int>, std::vector<Edge>> by_place_;
+  std::size_t count_ = 0;
+};
+
+Vec3f direction(Key key) {
+  const double z = 1 - 2 * uniform_double(hash_keys(key, 1)), a = 2 * pi * uniform_double(hash_keys(key, 2)),
+               s = std::sqrt(1 - z * z);
+  return {float(s * std::cos(a)), float(s * std::sin(a)), float(z)};
+}
+
+struct Escapes {
+  std::atomic<int> random{0}, aimed{0}, at_border{0};
+};
+
+// Walks from one inner point to the next, half-way to what a random ray hits; at each, a second ray is aimed at the
+// border of two cells near that hit.
+void walk_inside(const Intersector& world, const Borders& borders, Key walk, int rays, Escapes& escapes) {
+  const Vec3f start{0, 0.25f, 0};  // on the axis of the trunk
+  Vec3f p = start;
+  for (int i = 0; i < rays; ++i) {
+    const Key key = hash_keys(walk, Key(i));
+    SurfaceHit hit;
+    if (!world.intersect({p, direction(key)}, hit)) {
+      ++escapes.random;
+      p = start;
+      continue;
+    }
+    const Vec3f target = borders.target(hit.position, hash_keys(key, 3));
+    escapes.at_border += !(target == hit.position);
+    escapes.aimed += !world.occluded({p, target - p});
+    // Thin ends are left again before rounding matters
+    p = hit.t > 0.02f ? p + direction(key) * (hit.t * 0.5f) : start;
+    world.quiescent();
+  }
+}
+
+TEST(Watertight, NoRayLeavesAClosedBranch) {
+  constexpr int walks = 100, rays_per_walk = 5000;
+  const auto model = model_of(branch_text(), 0, small_cells);
+  const Borders borders(*model);
+  EXPECT_GT(borders.count(), 5000u);
+  const auto world = make_world({WorldObject{model, {}}}, {});
+  Escapes escapes;
+  std::atomic<int> next{0};
+  run_threads(2, [&](int) {
+    for (int w; (w = next.fetch_add(1)) < walks;) walk_inside(*world, borders, Key(w), rays_per_walk, escapes);
+  });
+  EXPECT_EQ(escapes.random, 0);
+  EXPECT_LE(escapes.aimed, 1);
+  EXPECT_GT(escapes.at_border, walks * rays_per_walk / 2);
+  RecordProperty("borders", int(borders.count()));
+  RecordProperty("aimed_at_borders", escapes.at_border);
+  RecordProperty("aimed_escaped", escapes.aimed);
+}
+
+}  // namespace
+}  // namespace meristem
