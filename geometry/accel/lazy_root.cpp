@@ -1,4 +1,5 @@
 #include "geometry/accel/model_root.h"
+#include "geometry/accel/proxy_scene.h"
 #include "geometry/base/parallel.h"
 
 #include <fmt/format.h>
@@ -15,7 +16,8 @@ class LazyRoot;
 // A resident cell: a surface patch, or child cells behind a scene of their bounds.
 class CellEntry : public CacheEntry {
  public:
-  CellEntry(std::unique_ptr<SurfacePatch> patch, Key key) : patch_(std::move(patch)), key_(key) {
+  CellEntry(std::unique_ptr<SurfacePatch> patch, Key key)
+      : patch_(std::move(patch)), key_(key), real_bounds_(patch_->tessellation().bounds()) {
     bytes = patch_->bytes() + sizeof(*this);
   }
   CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner);
@@ -25,16 +27,19 @@ class CellEntry : public CacheEntry {
   Key key() const { return key_; }
   const InnerCell& inner() const { return *inner_; }
   CacheSlot& slot(std::size_t child) { return slots_[child]; }
-  RTCScene scene() const { return scene_.get(); }
+  ProxyScene& proxies() { return *proxies_; }
+  // Of a surface: its own. Of child cells: the union of their bounds before expansion.
+  const Bounds3f& real_bounds() const { return real_bounds_; }
   const LazyRoot& root() const { return *root_; }
 
  private:
   std::unique_ptr<SurfacePatch> patch_;
   Key key_ = 0;
+  Bounds3f real_bounds_;
   const LazyRoot* root_ = nullptr;
   std::unique_ptr<InnerCell> inner_;
   std::unique_ptr<CacheSlot[]> slots_;
-  ScenePtr scene_;
+  std::unique_ptr<ProxyScene> proxies_;
 };
 
 // The box of a cell that could not be expanded, as a surface.
@@ -73,8 +78,10 @@ class LazyRoot final : public ModelRoot {
   CellEntry* child(CellEntry& parent, std::size_t index) const {
     return static_cast<CellEntry*>(cache_.acquire(parent.slot(index), &parent, [this, &parent, index] {
       const InnerCell& inner = parent.inner();
-      return make_entry([&] { return child_cell(*model_, inner, index); }, inner.level, inner.child_bounds[index],
-                        inner.child_keys[index]);
+      auto entry = make_entry([&] { return child_cell(*model_, inner, index); }, inner.level,
+                              inner.child_bounds[index], inner.child_keys[index]);
+      parent.proxies().tighten(index, static_cast<const CellEntry&>(*entry).real_bounds());
+      return entry;
     }));
   }
 
@@ -82,10 +89,10 @@ class LazyRoot final : public ModelRoot {
     if (cell.is_leaf())
       intersect_patch(cell.patch(), cell.key(), context, ray);
     else
-      rtcIntersect1(cell.scene(), &context.embree, &ray);
+      rtcIntersect1(cell.proxies().scene(), &context.embree, &ray);
   }
   static void occluded_cell(CellEntry& cell, RayContext& context, RTCRay& ray) {
-    rtcOccluded1(cell.is_leaf() ? cell.patch().scene() : cell.scene(), &context.embree, &ray);
+    rtcOccluded1(cell.is_leaf() ? cell.patch().scene() : cell.proxies().scene(), &context.embree, &ray);
   }
 
   const GeometryCache& cache() const { return cache_; }
@@ -123,15 +130,12 @@ class LazyRoot final : public ModelRoot {
   mutable CacheSlot slot_;
 };
 
-// Embree's callbacks for the bounds of child cells. acquire() does not throw, so nothing crosses the C boundary.
-void child_bounds(const RTCBoundsFunctionArguments* args) {
-  const Bounds3f& b = static_cast<CellEntry*>(args->geometryUserPtr)->inner().child_bounds[args->primID];
-  *args->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, 0};
-}
+// Embree's callbacks for child cells. acquire() does not throw, so nothing crosses the C boundary.
+CellEntry& owner(void* proxies) { return *static_cast<CellEntry*>(static_cast<ProxyScene*>(proxies)->user()); }
 
 void intersect_child(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
-  auto& parent = *static_cast<CellEntry*>(args->geometryUserPtr);
+  CellEntry& parent = owner(args->geometryUserPtr);
   auto& context = *reinterpret_cast<RayContext*>(args->context);
   if (CellEntry* cell = parent.root().child(parent, args->primID))
     LazyRoot::intersect_cell(*cell, context, *reinterpret_cast<RTCRayHit*>(args->rayhit));
@@ -139,7 +143,7 @@ void intersect_child(const RTCIntersectFunctionNArguments* args) {
 
 void occluded_child(const RTCOccludedFunctionNArguments* args) {
   if (!args->valid[0]) return;
-  auto& parent = *static_cast<CellEntry*>(args->geometryUserPtr);
+  CellEntry& parent = owner(args->geometryUserPtr);
   auto& context = *reinterpret_cast<RayContext*>(args->context);
   if (CellEntry* cell = parent.root().child(parent, args->primID))
     LazyRoot::occluded_cell(*cell, context, *reinterpret_cast<RTCRay*>(args->ray));
@@ -147,18 +151,10 @@ void occluded_child(const RTCOccludedFunctionNArguments* args) {
 
 CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner)
     : root_(&root), inner_(std::move(inner)), slots_(std::make_unique<CacheSlot[]>(inner_->child_count())) {
-  scene_.reset(rtcNewScene(embree_device()));
-  rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, unsigned(inner_->child_count()));
-  rtcSetGeometryUserData(geometry, this);
-  rtcSetGeometryBoundsFunction(geometry, child_bounds, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, intersect_child);
-  rtcSetGeometryOccludedFunction(geometry, occluded_child);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene_.get(), geometry);
-  rtcReleaseGeometry(geometry);
-  bytes = commit_scene(scene_.get()) + inner_->bytes() + inner_->child_count() * sizeof(CacheSlot) + sizeof(*this);
+  for (const Bounds3f& b : inner_->child_bounds) real_bounds_.extend(b);
+  proxies_ = std::make_unique<ProxyScene>(inner_->child_bounds,
+                                          ProxyScene::Callbacks{this, intersect_child, occluded_child});
+  bytes = proxies_->bytes() + inner_->bytes() + inner_->child_count() * sizeof(CacheSlot) + sizeof(*this);
 }
 
 }  // namespace

@@ -1,0 +1,71 @@
+#include "geometry/accel/proxy_scene.h"
+
+#include "geometry/base/parallel.h"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+
+namespace meristem {
+
+namespace {
+
+// Shares of the children whose real bounds make a new scene worth its building.
+constexpr std::array<double, 3> build_shares = {0.125, 0.5, 1.0};
+
+}  // namespace
+
+ProxyScene::ProxyScene(std::span<const Bounds3f> bounds, const Callbacks& callbacks)
+    : bounds_(bounds), callbacks_(callbacks), children_(bounds.size()) {
+  scenes_.push_back(build());
+  current_.store(scenes_.back().get(), std::memory_order_release);
+  bytes_ = bytes_ * (1 + build_shares.size()) + children_.size() * sizeof(Child) + sizeof(*this);
+}
+
+ScenePtr ProxyScene::build() {
+  ScenePtr scene(rtcNewScene(embree_device()));
+  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+  RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(geometry, unsigned(bounds_.size()));
+  rtcSetGeometryUserData(geometry, this);
+  rtcSetGeometryBoundsFunction(geometry, child_bounds, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, callbacks_.intersect);
+  rtcSetGeometryOccludedFunction(geometry, callbacks_.occluded);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene.get(), geometry);
+  rtcReleaseGeometry(geometry);
+  const std::size_t bytes = commit_scene(scene.get());
+  if (scenes_.empty()) bytes_ = bytes;
+  return scene;
+}
+
+void ProxyScene::child_bounds(const RTCBoundsFunctionArguments* args) {
+  const auto& self = *static_cast<const ProxyScene*>(args->geometryUserPtr);
+  const Child& child = self.children_[args->primID];
+  const Bounds3f& b = child.is_known.load(std::memory_order_acquire) ? child.real : self.bounds_[args->primID];
+  *args->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, 0};
+}
+
+std::size_t ProxyScene::threshold() const {
+  const std::size_t built = scenes_.size() - 1;
+  if (built >= build_shares.size()) return children_.size() + 1;
+  return std::max<std::size_t>(1, std::size_t(build_shares[built] * double(children_.size())));
+}
+
+void ProxyScene::tighten(std::size_t index, const Bounds3f& real) {
+  Child& child = children_[index];
+  if (child.is_known.load(std::memory_order_acquire)) return;
+  child.real = real;
+  child.is_known.store(true, std::memory_order_release);
+  const std::size_t known = known_.fetch_add(1) + 1;
+  const std::unique_lock lock(build_mutex_, std::try_to_lock);
+  if (!lock || known < threshold()) return;
+  try {
+    run_isolated([&] { scenes_.push_back(build()); });
+    current_.store(scenes_.back().get(), std::memory_order_release);
+  } catch (const std::exception&) {
+    scenes_.push_back(nullptr);  // no memory for a better scene: the old one serves
+  }
+}
+
+}  // namespace meristem
