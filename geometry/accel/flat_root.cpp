@@ -9,8 +9,9 @@ namespace {
 
 class FlatRoot final : public ModelRoot {
  public:
-  FlatRoot(Tessellation tessellation, Key key)
-      : ModelRoot(tessellation.bounds()), patch_(std::move(tessellation)), key_(key) {}
+  // The bounds are those a lazy root has, so that whatever depends on the scene's size is the same in every mode.
+  FlatRoot(Tessellation tessellation, const Model& model)
+      : ModelRoot(model_bounds(model)), patch_(std::move(tessellation)), key_(hash_text(model.name())) {}
   void intersect(RayContext& context, RTCRayHit& ray) const override { intersect_patch(patch_, key_, context, ray); }
   void occluded(RayContext& context, RTCRay& ray) const override {
     rtcOccluded1(patch_.scene(), &context.embree, &ray);
@@ -72,7 +73,7 @@ class Flattener {
 
 std::unique_ptr<ModelRoot> make_flat_root(std::shared_ptr<const Model> model, ExpansionCounts& counts, int threads) {
   Tessellation all = Flattener(*model, counts, threads).flatten(root_cell(*model), 0);
-  return std::make_unique<FlatRoot>(std::move(all), hash_text(model->name()));
+  return std::make_unique<FlatRoot>(std::move(all), *model);
 }
 
 }  // namespace meristem

@@ -1,9 +1,9 @@
 // ProxyScene: the bounds of child cells as an Embree scene of user geometry, which grows tighter while cells expand.
 //
-// Bounds before expansion must hold whatever a cell may become, so they are larger than the cell. Once it has been expanded its real bounds
-// are known for good, also after eviction. Whenever enough of them have come in, a new scene is built with them; rays that
-// are under way finish in the old one, which stays until the end. What a ray hits does not depend on it: of two hits at the same
-// distance the smaller cell key wins in whatever order cells are met.
+// Bounds before expansion must hold whatever a cell may become, so they are larger than the cell. Once it has been
+// expanded its real bounds are known for good, also after eviction. Whenever enough of them have come in, a new scene
+// is built with them; rays that are under way finish in the old one, which stays until the end. What a ray hits does
+// not depend on it: of two hits at the same distance the smaller cell key wins in whatever order cells are met.
 #pragma once
 
 #include "geometry/accel/embree_device.h"
@@ -37,12 +37,12 @@ class ProxyScene {
 
  private:
   struct Child {
-    Bounds3f real;                   // written before is_known
+    Bounds3f real;  // written before is_known
     std::atomic<bool> is_known{false};
   };
   static void child_bounds(const RTCBoundsFunctionArguments* args);
   ScenePtr build();
-  std::size_t threshold() const;     // known children that make it worth building again
+  std::size_t threshold() const;  // known children that make it worth building again
 
   const std::span<const Bounds3f> bounds_;
   const Callbacks callbacks_;
@@ -52,7 +52,7 @@ class ProxyScene {
   std::size_t bytes_ = 0;
 
   std::mutex build_mutex_;
-  std::vector<ScenePtr> scenes_;     // guarded by build_mutex_
+  std::vector<ScenePtr> scenes_;  // guarded by build_mutex_
 };
 
 }  // namespace meristem

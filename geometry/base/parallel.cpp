@@ -6,6 +6,7 @@
 #include <tbb/task_arena.h>
 #include <xmmintrin.h>
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>
@@ -14,9 +15,21 @@
 
 namespace meristem {
 
+#ifdef MERISTEM_TSAN
+namespace {
+
+// Debian's TBB is not instrumented: its workers' synchronization is not seen, and all they do for Embree looks like
+// races. Without them Embree's builds run on our threads.
+const tbb::global_control no_workers(tbb::global_control::max_allowed_parallelism, 1);
+
+}  // namespace
+
+int default_thread_count() { return int(std::max(1u, std::thread::hardware_concurrency())); }
+#else
 int default_thread_count() {
   return int(std::thread::hardware_concurrency() ? tbb::this_task_arena::max_concurrency() : 1);
 }
+#endif
 
 ThreadLimit::ThreadLimit(int n)
     : control_(new tbb::global_control(tbb::global_control::max_allowed_parallelism, std::size_t(n))) {}

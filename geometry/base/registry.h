@@ -1,6 +1,6 @@
 // Registry<Interface>: the components of one kind, by name. A component is one file that ends with
 //
-//   void register_sky(LightRegistry& r) { r.add<Sky>("sky", "Sun and clear sky after Hosek and Wilkie"); }
+//   void register_sky(LightRegistry& r) { r.add<Sky>("sky", "The sun and a clear sky over flat ground"); }
 //
 // and whose constructor takes Params&. cmake/components.cmake globs the folder and generates the function that calls
 // every register_<file>(), so a new file is picked up at the next build with no other edit.

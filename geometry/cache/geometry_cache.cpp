@@ -63,7 +63,7 @@ int GeometryCache::thread_index() {
 
 CacheEntry* GeometryCache::acquire_slow(CacheSlot& slot, CacheEntry* parent, const Expand& expand) {
   while (true) {
-    std::uintptr_t word = slot.word_.load(std::memory_order_acquire);
+    std::uintptr_t word = slot.word_.load();
     if (word > CacheSlot::failed) return reinterpret_cast<CacheEntry*>(word);
     if (word == CacheSlot::failed) return nullptr;
     if (word == CacheSlot::expanding) {
@@ -158,7 +158,7 @@ void GeometryCache::evict(CacheEntry& entry) {
   ++statistics_.evictions;
   if (entry.parent_) --entry.parent_->children_;
   entry.evicted_ = true;
-  entry.slot_->word_.store(CacheSlot::empty, std::memory_order_release);
+  entry.slot_->word_.store(CacheSlot::empty);
   send_to_limbo(&entry);
 }
 

@@ -79,7 +79,7 @@ class GeometryCache {
   // leave().
   template <class Expand>
   CacheEntry* acquire(CacheSlot& slot, CacheEntry* parent, Expand&& expand) {
-    const std::uintptr_t word = slot.word_.load(std::memory_order_acquire);
+    const std::uintptr_t word = slot.word_.load();
     if (word > CacheSlot::failed) [[likely]] {
       auto* entry = reinterpret_cast<CacheEntry*>(word);
       if (!entry->used_.load(std::memory_order_relaxed)) entry->used_.store(true, std::memory_order_relaxed);
@@ -91,8 +91,9 @@ class GeometryCache {
   // The calling thread begins to use entries. Cheap if it is inside already.
   void enter() {
     std::atomic<std::uint64_t>& mine = threads_[std::size_t(thread_index())].epoch;
-    if (mine.load(std::memory_order_relaxed) == outside)
-      mine.store(epoch_.load());  // seen by evict() before any slot is read
+    if (mine.load(std::memory_order_relaxed) != outside) return;
+    mine.store(epoch_.load());  // sequentially consistent, as the loads of slots and what evict() does: it sees this
+                                // thread inside, or this thread sees the slot empty
   }
   // The calling thread holds no entry any more.
   void leave() { threads_[std::size_t(thread_index())].epoch.store(outside, std::memory_order_release); }

@@ -88,7 +88,13 @@ class Expander {
 
   void finish() {
     const bool has_grids = refinements_ > 0 && cell_.mesh.corner_count(0) == 4;
-    result_.leaf = tessellate(cell_, root_corners_, has_grids ? refinements_ : 0);
+    result_.leaf = tessellate(cell_, root_corners_, has_grids ? refinements_ : 0, last_smoothing());
+  }
+
+  // The scheme whose limit surface the model ends on, if its last step is plain smoothing.
+  std::optional<RefineOptions> last_smoothing() const {
+    if (level_ == 0 || model_.step(level_ - 1).displaces()) return {};
+    return model_.step(level_ - 1).refinement();
   }
 
   void split() {

@@ -8,7 +8,9 @@
 #include "geometry/cells/extent.h"
 #include "geometry/mesh/mesh.h"
 #include "geometry/mesh/quantum.h"
+#include "geometry/mesh/refine_plan.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +50,9 @@ class Step {
   // Whether vertices are moved off the scheme's smooth position (so that no limit is known).
   virtual bool displaces() const { return false; }
   virtual bool refines() const { return false; }
+  // The scheme by which it refines. After a last step that says so and does not displace, the final vertices are moved
+  // to the limit surface.
+  virtual std::optional<RefineOptions> refinement() const { return {}; }
 };
 
 // Computes rings[] by breadth-first search from the owned faces over shared vertices, drops faces beyond max_ring and

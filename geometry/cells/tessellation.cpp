@@ -1,6 +1,7 @@
 #include "geometry/cells/tessellation.h"
 
 #include "geometry/base/check.h"
+#include "geometry/mesh/limit.h"
 #include "geometry/mesh/refine.h"
 
 namespace meristem {
@@ -12,24 +13,27 @@ std::size_t capacity_bytes(const std::vector<T>& v) {
   return v.capacity() * sizeof(T);
 }
 
-// Vertex normals of the final mesh: the mean of the unit normals of the faces that meet in a vertex.
-std::vector<Vec3f> vertex_normals(const Mesh& mesh) {
+// The mean of the unit normals of the faces that meet in a vertex.
+std::vector<Vec3d> vertex_normals(const Mesh& mesh) {
   std::vector<Vec3d> sums(mesh.vertex_count());
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     const auto corners = mesh.corners(f);
     const Vec3d normal = unit_face_normal(mesh.positions, corners.data(), std::uint32_t(corners.size()));
     for (std::uint32_t v : corners) sums[v] += normal;
   }
-  std::vector<Vec3f> normals;
-  normals.reserve(sums.size());
-  for (Vec3d n : sums) normals.push_back(Vec3f(normalize(n)));
-  return normals;
+  for (Vec3d& n : sums) n = normalize(n);
+  return sums;
+}
+
+LimitSurface final_surface(const CellMesh& cell, const std::optional<RefineOptions>& smoothing) {
+  if (smoothing) return limit_surface(cell.mesh, cell.owned_faces, *smoothing);
+  return {cell.mesh.positions, vertex_normals(cell.mesh)};
 }
 
 class Tessellator {
  public:
-  explicit Tessellator(const CellMesh& cell)
-      : mesh_(cell.mesh), normals_(vertex_normals(cell.mesh)), uv_(vertex_uv(cell.mesh)) {
+  Tessellator(const CellMesh& cell, const std::optional<RefineOptions>& smoothing)
+      : mesh_(cell.mesh), surface_(final_surface(cell, smoothing)), uv_(vertex_uv(cell.mesh)) {
     out_.origins = cell.mesh.origins;
     out_.face_count = cell.owned_faces;
   }
@@ -69,8 +73,8 @@ class Tessellator {
 
  private:
   std::uint32_t add_vertex(std::uint32_t v) {
-    out_.positions.push_back(Vec3f(mesh_.positions[v]));
-    out_.normals.push_back(normals_[v]);
+    out_.positions.push_back(Vec3f(surface_.positions[v]));
+    out_.normals.push_back(Vec3f(surface_.normals[v]));
     out_.uv.push_back({float(uv_[v].x), float(uv_[v].y)});
     return std::uint32_t(out_.positions.size()) - 1;
   }
@@ -82,7 +86,7 @@ class Tessellator {
   }
 
   const Mesh& mesh_;
-  const std::vector<Vec3f> normals_;
+  const LimitSurface surface_;
   const std::vector<Vec2d> uv_;
   std::vector<std::uint32_t> grid_vertices_, shared_;
   Tessellation out_;
@@ -101,8 +105,9 @@ Bounds3f Tessellation::bounds() const {
   return b;
 }
 
-Tessellation tessellate(const CellMesh& cell, std::span<const std::uint32_t> root_corners, int refinements) {
-  Tessellator tessellator(cell);
+Tessellation tessellate(const CellMesh& cell, std::span<const std::uint32_t> root_corners, int refinements,
+                        const std::optional<RefineOptions>& smoothing) {
+  Tessellator tessellator(cell, smoothing);
   if (refinements < 1) {
     for (std::uint32_t f = 0; f < cell.owned_faces; ++f) tessellator.add_polygon(f);
     return tessellator.take();

@@ -5,6 +5,7 @@
 #include "geometry/cells/model.h"
 
 #include <array>
+#include <optional>
 #include <vector>
 
 namespace meristem {
@@ -33,7 +34,9 @@ struct Tessellation {
 
 // Of the final mesh of a cell with one ring of halo. `root_corners` holds the corner counts of the owned faces from
 // which the last `refinements` Catmull-Clark steps made the mesh (each quad a square of 4^refinements faces, each n-gon
-// n squares of 4^(refinements - 1)).
-Tessellation tessellate(const CellMesh& cell, std::span<const std::uint32_t> root_corners, int refinements);
+// n squares of 4^(refinements - 1)). With `smoothing`, the scheme of a model that ends in plain smoothing, positions
+// and normals are those of its limit surface; without, the mesh's own and the means of its face normals.
+Tessellation tessellate(const CellMesh& cell, std::span<const std::uint32_t> root_corners, int refinements,
+                        const std::optional<RefineOptions>& smoothing);
 
 }  // namespace meristem

@@ -32,6 +32,7 @@ class SubdivideStep final : public Step {
   Extent bound(const Extent& e) const override;
   bool displaces() const override { return settings_.place != nullptr; }
   bool refines() const override { return true; }
+  std::optional<RefineOptions> refinement() const override { return settings_.refine; }
   void set_quantum(const Quantum& quantum) override { settings_.quantum = quantum; }
 
  private:

@@ -50,14 +50,14 @@ void add_scene_options(CLI::App& app, RenderOptions& o) {
     o.load.width = width;
     o.load.height = height;
   };
-  app.add_option("--samples", o.load.samples, "samples a pixel")->check(CLI::Range(1, 1 << 24))->group(scene_group);
+  app.add_option("--samples", o.load.samples, "samples a pixel")->check(CLI::Range(1, 1 << 20))->group(scene_group);
   add_parsed(app, "--size", "WxH", "image size in pixels", size)->group(scene_group);
   add_parsed(app, "--crop", "X0,Y0,X1,Y1", "render this part alone, in pixels", [&o](const std::string& t) {
     o.crop = parse_crop(t);
   })->group(scene_group);
   app.add_option("--camera", o.load.camera, "one of the scene's cameras, by name")->group(scene_group);
   app.add_option("--seed", o.load.seed, "of all random numbers")->group(scene_group);
-  app.add_option("--max-depth", o.load.max_depth, "bounces of a path")->check(CLI::Range(0, 1000))->group(scene_group);
+  app.add_option("--max-depth", o.load.max_depth, "bounces of a path")->check(CLI::Range(0, 1024))->group(scene_group);
   app.add_option("--threads", o.load.threads, "0: all processors")->check(CLI::Range(0, 1024))->group(scene_group);
   add_parsed(app, "--budget", "BYTES", "memory of the geometry cache: 512M, 2G", [&o](const std::string& t) {
     o.load.budget_bytes = parse_memory(t);

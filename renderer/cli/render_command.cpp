@@ -121,7 +121,8 @@ bool report_faults(const RenderStatistics& s) {
                             format_count(s.expansion.failed)));
   for (const std::string& defect : s.expansion.defects) print_error("warning: " + defect);
   if (s.expansion.invalid_rays > 0)
-    print_error(fmt::format("warning: {} rays were not finite and hit nothing", format_count(s.expansion.invalid_rays)));
+    print_error(
+        fmt::format("warning: {} rays were not finite and hit nothing", format_count(s.expansion.invalid_rays)));
   return s.image.nonfinite > 0 || s.expansion.failed > 0;
 }
 

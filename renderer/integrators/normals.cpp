@@ -19,6 +19,8 @@ class Normals : public Integrator {
       const Vec3f n = geometric_ ? hit.geometric_normal : hit.shading_normal;
       const float light = dot(hit.geometric_normal, ray.direction) > 0 ? 0.5f : 1.f;
       color = (n * 0.5f + Vec3f(0.5f)) * light;
+    } else {
+      ++counts.escaped;
     }
     scene.intersector->quiescent();
     return color;

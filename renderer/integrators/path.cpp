@@ -56,7 +56,9 @@ class Walk {
     const bool met = scene_.intersector->intersect(ray_, hit);
     add_crossed_lights(met ? hit.t : std::numeric_limits<float>::infinity());
     if (!met) {
+      const Spectrum before = sum_;
       add_environments();
+      counts_.escaped += depth_ == 0 && sum_ == before;  // a background that is there is opaque
       return false;
     }
     ShadingPoint point{hit, -ray_.direction};

@@ -19,7 +19,8 @@ Affine3d placement(Vec3d position, Vec3d rotate, Vec3d scale) {
 Vec3d read_scale(Params& params) {
   const Value* scale = params.raw(
       "scale", false,
-      R"({"oneOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}], "default": 1})",
+      R"({"oneOf": [{"type": "number"}, )"
+      R"({"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}], "default": 1})",
       "size: one number, or one along each axis");
   if (!scale) return Vec3d(1);
   Vec3d s(1);

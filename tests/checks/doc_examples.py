@@ -3,9 +3,9 @@
     doc_examples.py MERISTEM ROOT          the program and the tree whose README.md and docs/*.md are read
     doc_examples.py MERISTEM --self-test   checks this check
 
-A block marked jsonc is a file: under the name in its first line if that is a comment like "// stones.jsonc". The files of
-one page stand in one folder. A block with a camera is a scene, which `meristem check` must accept; one without must be
-included by such a scene. If a block marked text follows, the scene is wrong and the check must say just that.
+A block marked jsonc is a file: under the name in its first line if that is a comment like "// stones.jsonc". The files
+of one page stand in one folder. A block with a camera is a scene, which `meristem check` must accept; one without must
+be included by such a scene. If a block marked text follows, the scene is wrong and the check must say just that.
 """
 import pathlib
 import re
@@ -30,7 +30,7 @@ def examples(text):
 
 
 def check(program, folder, name):
-    run = subprocess.run([program, "check", name], cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    run = subprocess.run([program, "check", name], cwd=folder, text=True, capture_output=True)
     return run.returncode, run.stderr
 
 
@@ -69,7 +69,7 @@ def self_test(program):
         "unknown member": (block("jsonc", '{\n  "camera": {}, "camra": {}\n}'), "camra"),
         "nothing": (block("jsonc", '{ "materials": {} }'), "no camera"),
         "included": (part + block("jsonc", '{\n  "include": "part.jsonc",\n  "camera": {}\n}'), None),
-        "not as told": (block("jsonc", '{\n  "camera": { "fov": 999 }\n}') + block("text", "it is too wide"), "expected"),
+        "not as told": (block("jsonc", '{\n  "camera": { "fov": 999 }\n}') + block("text", "too wide"), "expected"),
         "no error though told": (block("jsonc", '{\n  "camera": {}\n}') + block("text", "an error"), "expected"),
         "another language": (block("json", "{ broken"), None),
     }

@@ -17,7 +17,9 @@ class BumpyStep final : public Step {
   std::string name() const override { return "bumpy"; }
   int halo_rings(int rings_after) const override { return refine_halo_rings(rings_after); }
   std::uint32_t max_children(std::uint32_t corners) const override { return corners; }
+  bool displaces() const override { return amplitude_ != 0; }
   bool refines() const override { return true; }
+  std::optional<RefineOptions> refinement() const override { return RefineOptions{}; }
   void set_quantum(const Quantum& quantum) override { quantum_ = quantum; }
 
   void apply(const CellMesh& in, int rings_after, CellMesh& out) const override {

@@ -31,21 +31,24 @@ std::vector<Tessellation> leaves_of(const Model& model, int* cells = nullptr) {
   return leaves;
 }
 
-using Triple = std::array<float, 3>;
-using Edge = std::pair<Triple, Triple>;
+// A vertex with its normal, so that both must agree where cells meet.
+using Corner = std::array<float, 6>;
+using Edge = std::pair<Corner, Corner>;
 
-Triple triple(Vec3f p) { return {p.x, p.y, p.z}; }
+Corner corner(const Tessellation& t, std::uint32_t v) {
+  const Vec3f p = t.positions[v], n = t.normals[v];
+  return {p.x, p.y, p.z, n.x, n.y, n.z};
+}
 
 // All quads of all grids, each from its smallest corner on, sorted: the surface as a set.
-std::vector<std::array<Triple, 4>> quads_of(const std::vector<Tessellation>& leaves) {
-  std::vector<std::array<Triple, 4>> quads;
+std::vector<std::array<Corner, 4>> quads_of(const std::vector<Tessellation>& leaves) {
+  std::vector<std::array<Corner, 4>> quads;
   for (const Tessellation& t : leaves)
     for (const auto& g : t.grids)
       for (std::uint32_t j = 0; j + 1 < g.height; ++j)
         for (std::uint32_t i = 0; i + 1 < g.width; ++i) {
           const std::uint32_t a = g.first_vertex + j * g.width + i;
-          std::array<Triple, 4> q{triple(t.positions[a]), triple(t.positions[a + 1]),
-                                  triple(t.positions[a + g.width + 1]), triple(t.positions[a + g.width])};
+          std::array<Corner, 4> q{corner(t, a), corner(t, a + 1), corner(t, a + g.width + 1), corner(t, a + g.width)};
           std::rotate(q.begin(), std::min_element(q.begin(), q.end()), q.end());
           quads.push_back(q);
         }
@@ -69,16 +72,17 @@ TEST(Expansion, SurfaceDoesNotDependOnTheCut) {
                {"tetrahedron", shapes::tetrahedron()},
                {"open grid", shapes::bumpy_grid(3)},
                {"creased", creased_cube()}};
-  for (const auto& cage : cages) {
-    const auto whole = quads_of(leaves_of(*bumpy_model(cage.mesh, 5, 0.3, {1u << 20, 1u << 20})));
-    for (const CellSettings settings :
-         {CellSettings{4, 16}, CellSettings{16, 64}, CellSettings{64, 16}, CellSettings{256, 1024}}) {
-      int cells = 0;
-      const auto cut = quads_of(leaves_of(*bumpy_model(cage.mesh, 5, 0.3, settings), &cells));
-      EXPECT_GT(cells, 1) << cage.name;
-      EXPECT_TRUE(cut == whole) << cage.name << " leaf " << settings.leaf_faces;
+  for (const auto& cage : cages)
+    for (double amplitude : {0.0, 0.3}) {  // 0: the limit surface
+      const auto whole = quads_of(leaves_of(*bumpy_model(cage.mesh, 5, amplitude, {1u << 20, 1u << 20})));
+      for (const CellSettings settings :
+           {CellSettings{4, 16}, CellSettings{16, 64}, CellSettings{64, 16}, CellSettings{256, 1024}}) {
+        int cells = 0;
+        const auto cut = quads_of(leaves_of(*bumpy_model(cage.mesh, 5, amplitude, settings), &cells));
+        EXPECT_GT(cells, 1) << cage.name;
+        EXPECT_TRUE(cut == whole) << cage.name << " amplitude " << amplitude << " leaf " << settings.leaf_faces;
+      }
     }
-  }
 }
 
 TEST(Expansion, LeavesOfAClosedModelFitEdgeToEdge) {
@@ -133,6 +137,32 @@ TEST(Expansion, OneLeafIsGridsWithUnitNormals) {
   EXPECT_EQ(leaves[0].grids.size(), 8u + 2 * 8);   // eight quads, and two octagons of eight quads each
   EXPECT_EQ(leaves[0].face_count, (8u + 4) * 64);  // quads give 4^3, an octagon gives 8 * 4^2
   for (Vec3f n : leaves[0].normals) EXPECT_NEAR(length(n), 1, 1e-5);
+}
+
+TEST(Expansion, SmoothModelsEndOnTheirLimitSurface) {
+  // The vertices after two levels are among those after three.
+  const auto coarse = leaves_of(*bumpy_model(shapes::prism(8), 2, 0, {16, 64}));
+  const auto fine = leaves_of(*bumpy_model(shapes::prism(8), 3, 0, {16, 64}));
+  for (const Tessellation& t : coarse)
+    for (std::size_t v = 0; v < t.positions.size(); ++v) {
+      float position_error = 1, normal_error = 1;
+      for (const Tessellation& u : fine)
+        for (std::size_t w = 0; w < u.positions.size(); ++w)
+          if (const float error = length(u.positions[w] - t.positions[v]); error < position_error) {
+            position_error = error;
+            normal_error = length(u.normals[w] - t.normals[v]);
+          }
+      EXPECT_LT(position_error, 1e-6f);
+      EXPECT_LT(normal_error, 1e-6f);
+    }
+}
+
+TEST(Expansion, DisplacedModelsKeepTheirVertices) {
+  // As good as no displacement, but the vertices stay where the last step put them.
+  const auto model = bumpy_model(shapes::cube(), 1, 1e-9);
+  const auto leaves = leaves_of(*model);
+  ASSERT_EQ(leaves.size(), 1u);
+  EXPECT_NEAR(leaves[0].bounds().upper.x, 1, 1e-6);  // the face point; its limit is nearer to the centre
 }
 
 }  // namespace

@@ -1,79 +1,16 @@
 #include "geometry/mesh/refine.h"
 
-#include "tests/support/shapes.h"
+#include "tests/geometry/mesh/subdivision_cases.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <opensubdiv/far/primvarRefiner.h>
-#include <opensubdiv/far/topologyDescriptor.h>
 
 #include <algorithm>
-#include <memory>
 
 namespace meristem {
 namespace {
 
-namespace Far = OpenSubdiv::Far;
-namespace Sdc = OpenSubdiv::Sdc;
-
-struct Point {
-  Vec3d p;
-  void Clear(void* = nullptr) { p = {}; }
-  void AddWithWeight(const Point& b, double w) { p += b.p * w; }
-};
-
-// OpenSubdiv's own refinement of the cage to a level: all its vertices.
-std::vector<Vec3d> opensubdiv_positions(const Mesh& mesh, int level, const RefineOptions& options) {
-  Sdc::Options sdc;
-  sdc.SetVtxBoundaryInterpolation(options.boundary == BoundaryRule::EdgeOnly
-                                      ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
-                                      : Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
-  std::vector<int> counts, indices, crease_pairs;
-  std::vector<float> crease_weights;
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
-    const auto c = mesh.corners(f);
-    counts.push_back(int(c.size()));
-    indices.insert(indices.end(), c.begin(), c.end());
-    for (std::uint32_t k = 0; k < c.size() && !mesh.corner_sharpness.empty(); ++k)
-      if (const float s = mesh.corner_sharpness[mesh.face_starts[f] + k]; s > 0) {
-        crease_pairs.push_back(int(c[k]));
-        crease_pairs.push_back(int(c[(k + 1) % c.size()]));
-        crease_weights.push_back(s);
-      }
-  }
-  Far::TopologyDescriptor descriptor;
-  descriptor.numVertices = int(mesh.vertex_count());
-  descriptor.numFaces = int(mesh.face_count());
-  descriptor.numVertsPerFace = counts.data();
-  descriptor.vertIndicesPerFace = indices.data();
-  descriptor.numCreases = int(crease_weights.size());
-  descriptor.creaseVertexIndexPairs = crease_pairs.data();
-  descriptor.creaseWeights = crease_weights.data();
-  using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-  const auto type = options.scheme == Scheme::Loop ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK;
-  const std::unique_ptr<Far::TopologyRefiner> refiner(Factory::Create(descriptor, Factory::Options(type, sdc)));
-  refiner->RefineUniform(Far::TopologyRefiner::UniformOptions(level));
-  std::vector<Point> points(mesh.vertex_count());
-  for (std::size_t i = 0; i < points.size(); ++i) points[i].p = mesh.positions[i];
-  for (int l = 1; l <= level; ++l) {
-    std::vector<Point> next(std::size_t(refiner->GetLevel(l).GetNumVertices()));
-    Far::PrimvarRefinerReal<double>(*refiner).Interpolate(l, points, next);
-    points = std::move(next);
-  }
-  std::vector<Vec3d> result;
-  for (const Point& p : points) result.push_back(p.p);
-  return result;
-}
-
-Mesh refined(Mesh mesh, int level, const RefineOptions& options) {
-  const Quantum quantum = Quantum::for_reach(16);
-  for (Vec3d& p : mesh.positions) p = quantum.round(p);
-  for (int l = 0; l < level; ++l) {
-    const auto plan = make_refine_plan(mesh, mesh.face_count(), 0, options);
-    mesh = refine(mesh, *plan, quantum, hash_keys(9, l)).mesh;
-  }
-  return mesh;
-}
+using namespace subdivision;
 
 // Both lists hold the same points, in whatever order: nearest neighbours by brute force on a sorted axis.
 void expect_same_points(std::vector<Vec3d> a, std::vector<Vec3d> b, double tolerance) {
@@ -89,50 +26,14 @@ void expect_same_points(std::vector<Vec3d> a, std::vector<Vec3d> b, double toler
   }
 }
 
-struct Case {
-  const char* name;
-  Mesh mesh;
-  RefineOptions options;
-};
-
-std::vector<Case> cases() {
-  const RefineOptions loop{Scheme::Loop, BoundaryRule::EdgeAndCorner},
-      edge_only{Scheme::CatmullClark, BoundaryRule::EdgeOnly};
-  std::vector<Case> all{{"cube", shapes::cube(), {}},
-                        {"tetrahedron", shapes::tetrahedron(), {}},
-                        {"octagonal prism", shapes::prism(8), {}},
-                        {"triangular prism", shapes::prism(3), {}},
-                        {"open grid", shapes::bumpy_grid(4), {}},
-                        {"open grid, corners rounded", shapes::bumpy_grid(4), edge_only},
-                        {"Loop icosahedron", shapes::icosahedron(), loop},
-                        {"Loop tetrahedron", shapes::tetrahedron(), loop}};
-  for (float sharpness : {0.3f, 1.0f, 1.7f, 2.5f, 10.0f}) {
-    Mesh ring = shapes::cube();
-    for (auto [a, b] : {std::pair{0, 1}, {1, 3}, {3, 2}, {2, 0}})
-      shapes::crease(ring, std::uint32_t(a), std::uint32_t(b), sharpness);
-    all.push_back({"cube with a creased face", ring, {}});
-    Mesh dart = shapes::cube();
-    shapes::crease(dart, 0, 1, sharpness);
-    all.push_back({"cube with one creased edge", dart, {}});
-    Mesh mixed = shapes::prism(5);
-    shapes::crease(mixed, 5, 6, sharpness);
-    shapes::crease(mixed, 6, 7, sharpness / 2);
-    shapes::crease(mixed, 1, 6, 1.2f);
-    all.push_back({"prism with mixed creases", mixed, {}});
-    Mesh triangles = shapes::icosahedron();
-    shapes::crease(triangles, 0, 11, sharpness);
-    shapes::crease(triangles, 11, 10, sharpness);
-    all.push_back({"creased Loop icosahedron", triangles, loop});
-  }
-  return all;
-}
-
 TEST(Refine, AgreesWithOpenSubdiv) {
   for (const Case& c : cases())
     for (int level = 1; level <= 4; ++level) {
       SCOPED_TRACE(fmt::format("{} at level {}", c.name, level));
-      expect_same_points(refined(c.mesh, level, c.options).positions, opensubdiv_positions(c.mesh, level, c.options),
-                         1e-7);
+      std::vector<Vec3d> truth;
+      for (const Point& point : opensubdiv_points(c.mesh, *opensubdiv_refiner(c.mesh, level, c.options)))
+        truth.push_back(point.p);
+      expect_same_points(refined(c.mesh, level, c.options).positions, truth, 1e-7);
     }
 }
 

@@ -26,7 +26,7 @@ TEST(Bounds, ContainWhatIsGrownAndDisplaced) {
   Count count;
   for (const char* place : {"[0, 0, 0]", "scale*N*.42*abs(sin(6*PI*u + .8*snoise(3*P)))", "scale*N*fbm(4*P)",
                             "scale*(T*.3 + N)*(2*rand() - 1)", "[.1*sin(9*P[1]), -.05, .1*noise(5*P)]"})
-    for (int seed : {0, 1, 2, 3})
+    for (int seed : {0, 1})
       for (const CellSettings cells : {CellSettings{16, 64}, CellSettings{64, 16}}) {
         const auto model = model_of(branch_text(place), seed, cells);
         const Count before = count;
@@ -34,6 +34,7 @@ TEST(Bounds, ContainWhatIsGrownAndDisplaced) {
         EXPECT_EQ(count.outside, before.outside) << place << ", seed " << seed;
       }
   EXPECT_GT(count.cells, 10000);
+  RecordProperty("cells", count.cells);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace meristem {
 
 // `place` displaces the last two of the four subdivisions.
 inline std::string branch_text(const std::string& place = "scale*N*.42*abs(sin(6*PI*u + .8*snoise(3*P)))") {
-  return R"({
+  return R"json({
     "base": { "type": "prism", "sides": 8, "radius": 0.34, "height": 0.5, "cap": "stem(.62, 1)" },
     "steps": [
       { "grow": 5, "rules": {
@@ -22,13 +22,14 @@ inline std::string branch_text(const std::string& place = "scale*N*.42*abs(sin(6
               "balance": "rand(.3, .6)", "left_radius": 0.8, "right_radius": 0.7, "roll": "360*rand()",
               "faces": { "left": "stem(len*.82, 2)", "right": "stem(len*.72, 1)" } } ] } },
       { "subdivide": 2 },
-      {
-  "subdivide" : 2, "place" : ")" + place + R"(" } ] })";
+      { "subdivide": 2, "place": ")json" +
+         place + "\" } ] }";
 }
 
 inline std::string branch_scene() {
   return R"({ "format": 1, "models": { "branch": )" + branch_text() + R"( },
-    "objects": [ { "model": "branch" }, { "model": "branch", "seed": 1, "position": [1, 0, -1], "rotate": [0, 40, 0] } ],
+    "objects": [ { "model": "branch" },
+                 { "model": "branch", "seed": 1, "position": [1, 0, -1], "rotate": [0, 40, 0] } ],
     "lights": [ { "type": "sky", "elevation": 32 } ],
     "camera": { "from": [2, 1.5, 4], "to": [0.3, 1.5, 0], "fov": 46 },
     "render": { "size": [64, 36], "samples": 1, "max_depth": 2 } })";

@@ -1,4 +1,6 @@
-// No ray passes between the cells of a closed model, were it aimed exactly at where they meet.
+// No ray passes between the cells of a closed model, were it aimed exactly at where they meet. Embree itself loses some
+// 0.5 % of the rays that are aimed at a vertex to the last bit (its robust triangle test is exact at edges only), with
+// cells or without; so what the cells lose is told by asking the flat model as well.
 #include "geometry/accel/world.h"
 #include "geometry/base/parallel.h"
 #include "geometry/cells/expansion.h"
@@ -63,13 +65,18 @@ class Borders {
   }
   std::size_t count() const { return count_; }
 
+  struct Target {
+    Vec3f point;
+    bool is_near = false, is_vertex = false;
+  };
   // A vertex of a border close to p, or a point on an edge of it; p if none is near.
-  Vec3f target(Vec3f p, Key key) const {
+  Target target(Vec3f p, Key key) const {
     const auto near = by_place_.find(place(p));
-    if (near == by_place_.end()) return p;
+    if (near == by_place_.end()) return {p};
     const auto& [a, b] = near->second[key % near->second.size()];
     const Vec3f from = position(a);
-    return key >> 32 & 1 ? from : from + (position(b) - from) * uniform_float(hash_keys(key, 1));
+    if (key >> 32 & 1) return {from, true, true};
+    return {from + (position(b) - from) * uniform_float(hash_keys(key, 1)), true, false};
   }
 
  private:
@@ -88,26 +95,35 @@ Vec3f direction(Key key) {
   return {float(s * std::cos(a)), float(s * std::sin(a)), float(z)};
 }
 
-struct Escapes {
-  std::atomic<int> random{0}, aimed{0}, at_border{0};
+struct Counts {
+  std::atomic<int> random_escapes{0};
+  std::atomic<int> at_edges{0}, edge_escapes{0};
+  std::atomic<int> at_vertices{0}, vertex_escapes{0};
+  std::atomic<int> between_cells{0};  // of all escapes: those that hit the flat model
 };
 
 // Walks from one inner point to the next, half-way to what a random ray hits; at each, a second ray is aimed at the
 // border of two cells near that hit.
-void walk_inside(const Intersector& world, const Borders& borders, Key walk, int rays, Escapes& escapes) {
+void walk_inside(const Intersector& world, const Intersector& flat, const Borders& borders, Key walk, int rays,
+                 Counts& counts) {
   const Vec3f start{0, 0.25f, 0};  // on the axis of the trunk
   Vec3f p = start;
   for (int i = 0; i < rays; ++i) {
     const Key key = hash_keys(walk, Key(i));
     SurfaceHit hit;
     if (!world.intersect({p, direction(key)}, hit)) {
-      ++escapes.random;
+      ++counts.random_escapes;
       p = start;
       continue;
     }
-    const Vec3f target = borders.target(hit.position, hash_keys(key, 3));
-    escapes.at_border += !(target == hit.position);
-    escapes.aimed += !world.occluded({p, target - p});
+    const Borders::Target target = borders.target(hit.position, hash_keys(key, 3));
+    const Ray aimed{p, target.point - p};
+    const bool escapes = !world.occluded(aimed);
+    counts.at_edges += target.is_near && !target.is_vertex;
+    counts.at_vertices += target.is_vertex;
+    counts.edge_escapes += escapes && !target.is_vertex;
+    counts.vertex_escapes += escapes && target.is_vertex;
+    counts.between_cells += escapes && flat.occluded(aimed);
     // Thin ends are left again before rounding matters
     p = hit.t > 0.02f ? p + direction(key) * (hit.t * 0.5f) : start;
     world.quiescent();
@@ -119,18 +135,22 @@ TEST(Watertight, NoRayLeavesAClosedBranch) {
   const auto model = model_of(branch_text(), 0, small_cells);
   const Borders borders(*model);
   EXPECT_GT(borders.count(), 5000u);
-  const auto world = make_world({WorldObject{model, {}}}, {});
-  Escapes escapes;
+  const auto world = make_world({WorldObject{model, {}}}, {}),
+             flat = make_world({WorldObject{model, {}}}, {.mode = ExpandMode::Flat});
+  Counts counts;
   std::atomic<int> next{0};
   run_threads(2, [&](int) {
-    for (int w; (w = next.fetch_add(1)) < walks;) walk_inside(*world, borders, Key(w), rays_per_walk, escapes);
+    for (int w; (w = next.fetch_add(1)) < walks;) walk_inside(*world, *flat, borders, Key(w), rays_per_walk, counts);
   });
-  EXPECT_EQ(escapes.random, 0);
-  EXPECT_LE(escapes.aimed, 1);
-  EXPECT_GT(escapes.at_border, walks * rays_per_walk / 2);
-  RecordProperty("borders", int(borders.count()));
-  RecordProperty("aimed_at_borders", escapes.at_border);
-  RecordProperty("aimed_escaped", escapes.aimed);
+  EXPECT_EQ(counts.random_escapes, 0);
+  EXPECT_EQ(counts.between_cells, 0);
+  EXPECT_EQ(counts.edge_escapes, 0);
+  EXPECT_LT(counts.vertex_escapes, counts.at_vertices / 100);
+  EXPECT_GT(counts.at_edges, walks * rays_per_walk / 4);
+  EXPECT_GT(counts.at_vertices, walks * rays_per_walk / 4);
+  RecordProperty("at_edges", counts.at_edges);
+  RecordProperty("at_vertices", counts.at_vertices);
+  RecordProperty("vertex_escapes", counts.vertex_escapes);
 }
 
 }  // namespace
