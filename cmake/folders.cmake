@@ -6,12 +6,12 @@ function(meristem_folders result root)
   set(${result} ${folders} PARENT_SCOPE)
 endfunction()
 
-# meristem_layer(NAME ABOVE layer USES x y ...): the library meristem_NAME from the folders of NAME/, upon the library
-# of the layer below and other people's libraries. Each folder is an object library (meristem_NAME_a, meristem_NAME_b_c)
-# that knows the headers below it but not our libraries, so that it builds alone. New files and folders are picked up by
-# the next build.
+# meristem_layer(NAME ABOVE layer USES x y ... MODULES folder ...): the library meristem_NAME from the folders of NAME/,
+# upon the library of the layer below and other people's libraries. Each folder is an object library (meristem_NAME_a,
+# meristem_NAME_b_c) that knows the headers below it but not our libraries, so that it builds alone. New files and
+# folders are picked up by the next build. The folders of MODULES are left to meristem_module.
 function(meristem_layer layer)
-  cmake_parse_arguments(ARG "" "ABOVE" "USES" ${ARGN})
+  cmake_parse_arguments(ARG "" "ABOVE" "USES;MODULES" ${ARGN})
   add_library(meristem_${layer}_uses INTERFACE)
   target_link_libraries(meristem_${layer}_uses INTERFACE meristem_flags ${ARG_USES})
   file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/generated/${layer}_layer.cpp CONTENT "// See the object libraries.\n")
@@ -22,6 +22,7 @@ function(meristem_layer layer)
     target_link_libraries(meristem_${layer} PUBLIC meristem_${ARG_ABOVE})
   endif()
   meristem_folders(folders ${CMAKE_SOURCE_DIR}/${layer})
+  list(REMOVE_ITEM folders "" ${ARG_MODULES})
   foreach(folder ${folders})
     file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${layer}/${folder}/*.cpp)
     string(MAKE_C_IDENTIFIER meristem_${layer}_${folder} target)
@@ -29,6 +30,15 @@ function(meristem_layer layer)
     target_link_libraries(${target} PRIVATE meristem_${layer}_uses)
     target_sources(meristem_${layer} PRIVATE $<TARGET_OBJECTS:${target}>)
   endforeach()
+endfunction()
+
+# meristem_module(NAME FOLDER folder USES x y ...): meristem_NAME.so from the sources of a folder, beside the program.
+function(meristem_module name)
+  cmake_parse_arguments(ARG "" "FOLDER" "USES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${ARG_FOLDER}/*.cpp)
+  add_library(meristem_${name} MODULE ${sources})
+  target_link_libraries(meristem_${name} PRIVATE meristem_flags ${ARG_USES})
+  set_target_properties(meristem_${name} PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
 endfunction()
 
 # meristem_tests(LAYER): for each folder of tests/LAYER the program test_LAYER_FOLDER, linked with the library of that

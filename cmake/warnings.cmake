@@ -7,7 +7,7 @@ target_compile_options(meristem_flags INTERFACE
   -Wno-restrict  # false alarms in GCC 12's own string concatenation: GCC bug 105651
   -ffp-contract=off -fno-math-errno -fno-trapping-math -march=x86-64-v2
   -fmacro-prefix-map=${CMAKE_SOURCE_DIR}/=)  # CHECK says geometry/mesh/mesh.cpp:12, wherever the tree lies
-# OpenImageIO alone loads some 250 libraries: a third of a second for each test that does not call it.
+# A program loads only the libraries it calls: each costs the dynamic linker time at every start.
 target_link_options(meristem_flags INTERFACE -Wl,--as-needed)
 target_include_directories(meristem_flags INTERFACE ${CMAKE_SOURCE_DIR} ${CMAKE_BINARY_DIR}/generated)
 set(CMAKE_CXX_EXTENSIONS OFF)

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <thread>
 
 namespace meristem {
 
@@ -36,6 +37,7 @@ std::vector<std::string> outputs_of(const RenderOptions& options) {
 bool is_display_image(const std::string& path) { return image_format(path) != ImageFormat::Exr; }
 
 void check_outputs(const RenderOptions& options, const std::vector<std::string>& outputs) {
+  check_image_support();
   for (const std::string& path : outputs) check_writable(path);
   if (!options.statistics.empty()) check_writable(options.statistics);
 }
@@ -52,13 +54,28 @@ void check_crop(const RenderOptions& options, const RenderSettings& settings) {
     throw UsageError(fmt::format("--crop lies outside the image of {} x {} pixels", settings.width, settings.height));
 }
 
+// Opens what writing the image needs while rays are traced: from the first report of progress on, when the first pixel
+// stands, since the dynamic linker's lock would hold up the libraries that are still starting.
+class ImageSupport {
+ public:
+  void want() {
+    if (!opening_.joinable()) opening_ = std::jthread(open_image_support);
+  }
+
+ private:
+  std::jthread opening_;
+};
+
 SessionOptions session_options(const RenderOptions& options, int threads, const Interruption& interruption,
-                               ProgressDisplay& display) {
+                               ProgressDisplay& display, ImageSupport& images) {
   SessionOptions result;
   result.threads = threads;
   result.crop = options.crop;
   result.cancel = &interruption.requested();
-  result.progress = [&display](const RenderProgress& progress) { display.update(progress); };
+  result.progress = [&](const RenderProgress& progress) {
+    images.want();
+    display.update(progress);
+  };
   return result;
 }
 
@@ -151,7 +168,8 @@ int render_command(const RenderOptions& options, const SceneLoader& load) {
   const Interruption interruption;
   std::optional<ProgressDisplay> display;
   display.emplace(stderr, options.quiet ? ProgressDisplay::Style::None : ProgressDisplay::style_for(stderr));
-  RenderSession session(*loaded.scene, session_options(options, threads, interruption, *display));
+  ImageSupport images;
+  RenderSession session(*loaded.scene, session_options(options, threads, interruption, *display, images));
   const SessionResult result = session.render();
   display.reset();
   const int interrupted = result.cancelled ? int(ExitCode::Interrupted) + interruption.signal() : 0;

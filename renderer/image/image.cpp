@@ -1,132 +1,23 @@
 #include "renderer/image/image.h"
 
 #include "geometry/base/check.h"
-#include "renderer/image/memory_file.h"
+#include "renderer/image/image_codec.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <cerrno>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <memory>
-#include <string_view>
 
 namespace meristem {
 
 namespace {
 
-constexpr int max_side = 65536;
-constexpr int max_channels = 64;
-constexpr std::uint64_t max_decoded_bytes = std::uint64_t(2) << 30;
 constexpr float max_half = 65504.0f;
 
-struct Magic {
-  std::string_view bytes;
-  const char* format;  // OpenImageIO's name
-};
-
-using namespace std::string_view_literals;
-constexpr std::array magics{Magic{"\x76\x2f\x31\x01"sv, "openexr"},
-                            Magic{"\x89PNG\r\n\x1a\n"sv, "png"},
-                            Magic{"\xff\xd8\xff"sv, "jpeg"},
-                            Magic{"#?RADIANCE"sv, "hdr"},
-                            Magic{"#?RGBE"sv, "hdr"},
-                            Magic{"II*\0"sv, "tiff"},
-                            Magic{"MM\0*"sv, "tiff"},
-                            Magic{"II+\0"sv, "tiff"},
-                            Magic{"MM\0+"sv, "tiff"}};
-
-std::string first_bytes(const std::string& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw FileError(fmt::format("cannot read {}: no such file", path));
-  if (!std::filesystem::is_regular_file(status))
-    throw FileError(fmt::format("cannot read {}: it is not a regular file", path));
-  std::ifstream in(path, std::ios::binary);
-  std::string bytes(16, '\0');
-  if (!in) throw FileError(fmt::format("cannot read {}: {}", path, std::strerror(errno)));
-  in.read(bytes.data(), std::streamsize(bytes.size()));
-  bytes.resize(std::size_t(in.gcount()));
-  return bytes;
-}
-
-const char* format_of_content(const std::string& path) {
-  const std::string bytes = first_bytes(path);
-  for (const Magic& magic : magics)
-    if (bytes.starts_with(magic.bytes)) return magic.format;
-  throw FileError(fmt::format("cannot read {}: not an EXR, PNG, JPEG, Radiance HDR or TIFF image", path));
-}
-
-void check_limits(const OIIO::ImageSpec& spec, const std::string& path) {
-  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.depth > 1 || spec.deep)
-    throw FileError(fmt::format("cannot read {}: not a flat two-dimensional image", path));
-  if (spec.width > max_side || spec.height > max_side)
-    throw FileError(
-        fmt::format("cannot read {}: {} x {} pixels; the limit is {} a side", path, spec.width, spec.height, max_side));
-  if (spec.nchannels > max_channels)
-    throw FileError(fmt::format("cannot read {}: {} channels; the limit is {}", path, spec.nchannels, max_channels));
-  const std::uint64_t bytes =
-      std::uint64_t(spec.width) * std::uint64_t(spec.height) * std::uint64_t(spec.nchannels) * sizeof(float);
-  if (bytes > max_decoded_bytes)
-    throw FileError(
-        fmt::format("cannot read {}: {} MiB decoded; the limit is {} MiB", path, bytes >> 20, max_decoded_bytes >> 20));
-}
-
-// Some plug-ins report success and leave the reason in geterror() alone: it is asked whatever the calls returned.
-template <class File>
-void check_success(File& file, bool success, const char* what, const std::string& path) {
-  const std::string reason = file.geterror();
-  if (!success || !reason.empty())
-    throw FileError(fmt::format("cannot {} {}: {}", what, path, reason.empty() ? "unknown reason" : reason));
-}
-
-OIIO::TypeDesc file_type(ImageFormat format, const WriteOptions& options) {
-  if (format == ImageFormat::Exr) return options.half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT;
-  return options.bits == 16 && format != ImageFormat::Jpeg ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
-}
-
-void describe_exr(OIIO::ImageSpec& spec, const WriteOptions& options) {
-  spec.attribute("compression", "zip");
-  spec.attribute("oiio:ColorSpace", "lin_srgb");
-  // Rec.709 primaries and the white D65 (ITU-R BT.709-6, item 1.3).
-  const std::array<float, 8> chromaticities{0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
-  spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), chromaticities.data());
-  spec.x = options.x;
-  spec.y = options.y;
-  spec.full_width = options.full_width > 0 ? options.full_width : spec.width;
-  spec.full_height = options.full_height > 0 ? options.full_height : spec.height;
-}
-
-OIIO::ImageSpec file_spec(ImageFormat format, const Image& image, int channels, const Metadata& metadata,
-                          const WriteOptions& options) {
-  OIIO::ImageSpec spec(image.width, image.height, channels, file_type(format, options));
-  for (const auto& [name, value] : metadata) spec.attribute(name, value);
-  if (format == ImageFormat::Exr) describe_exr(spec, options);
-  if (format == ImageFormat::Jpeg) spec.attribute("Compression", "jpeg:95");
-  if (format != ImageFormat::Exr) spec.attribute("oiio:ColorSpace", "sRGB");
-  return spec;
-}
-
-const char* plugin_name(ImageFormat format) {
-  switch (format) {
-    case ImageFormat::Exr: return "openexr";
-    case ImageFormat::Png: return "png";
-    case ImageFormat::Jpeg: return "jpeg";
-    case ImageFormat::Tiff: return "tiff";
-  }
-  return "";
-}
-
 // The first `kept` of the image's channels, clamped; counts the values that were outside. NaN passes.
-std::vector<float> clamped_channels(const Image& image, int kept, float low, float high, std::size_t& outside) {
+Image clamped_channels(const Image& image, int kept, float low, float high, std::size_t& outside) {
   std::vector<float> values;
   values.reserve(image.pixels.size());
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
@@ -135,48 +26,12 @@ std::vector<float> clamped_channels(const Image& image, int kept, float low, flo
     outside += value < low || value > high;
     values.push_back(std::isnan(value) ? value : std::clamp(value, low, high));
   }
-  return values;
-}
-
-void run_encoder(OIIO::ImageOutput& out, const std::string& name, const std::string& path, const OIIO::ImageSpec& spec,
-                 const float* pixels) {
-  check_success(out, out.open(name, spec), "write", path);
-  check_success(out, out.write_image(OIIO::TypeDesc::FLOAT, pixels), "write", path);
-  check_success(out, out.close(), "write", path);
-}
-
-// The bytes of the file. Not written to the disk by the libraries: on a full disk small PNG and EXR files are lost
-// without an error (they are flushed when they are closed, and nobody looks), and libjpeg ends the process.
-std::vector<unsigned char> encoded(const std::string& path, ImageFormat format, const OIIO::ImageSpec& spec,
-                                   const float* pixels) {
-  const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(plugin_name(format));
-  if (!out)
-    throw FileError(fmt::format("cannot write {}: OpenImageIO has no {} writer here", path, plugin_name(format)));
-  if (format == ImageFormat::Tiff) {
-    const MemoryFile file;
-    run_encoder(*out, file.path(), path, spec, pixels);
-    return file.content();
-  }
-  OIIO::Filesystem::IOVecOutput memory;
-  out->set_ioproxy(&memory);
-  run_encoder(*out, path, path, spec, pixels);
-  return std::move(memory.buffer());
+  return {image.width, image.height, kept, std::move(values)};
 }
 
 }  // namespace
 
-Image read_image(const std::string& path) {
-  const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::create(format_of_content(path));
-  if (!in) throw FileError(fmt::format("cannot read {}: OpenImageIO has no reader for it here", path));
-  OIIO::ImageSpec config, spec;
-  config.attribute("oiio:UnassociatedAlpha", 1);  // else PNG values come multiplied by alpha, in display encoding
-  check_success(*in, in->open(path, spec, config), "read", path);
-  check_limits(spec, path);
-  Image image{spec.width, spec.height, spec.nchannels, {}};
-  image.pixels.resize(std::size_t(spec.width) * std::size_t(spec.height) * std::size_t(spec.nchannels));
-  check_success(*in, in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()), "read", path);
-  return image;
-}
+Image read_image(const std::string& path) { return image_codec().read(path); }
 
 ImageFormat image_format(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
@@ -195,18 +50,19 @@ std::size_t write_image(const std::string& path, const Image& image, const Metad
   CHECK(image.pixels.size() == std::size_t(image.width) * std::size_t(image.height) * std::size_t(image.channels),
         "{} values for {} x {} x {}", image.pixels.size(), image.width, image.height, image.channels);
   const ImageFormat format = image_format(path);
-  const bool exr = format == ImageFormat::Exr;
-  const int channels = exr ? image.channels : std::min(image.channels, 3);
-  std::size_t outside = 0;
-  std::vector<float> clamped;
-  if (!exr)
-    clamped = clamped_channels(image, channels, 0, 1, outside);
-  else if (options.half)
-    clamped = clamped_channels(image, channels, -max_half, max_half, outside);
-  const std::vector<unsigned char> bytes = encoded(path, format, file_spec(format, image, channels, metadata, options),
-                                                   clamped.empty() ? image.pixels.data() : clamped.data());
+  std::size_t clamped = 0;
+  std::vector<unsigned char> bytes;
+  auto encode = [&](const Image& values) { bytes = image_codec().encode(path, format, values, metadata, options); };
+  if (format != ImageFormat::Exr) {
+    std::size_t outside_display = 0;
+    encode(clamped_channels(image, std::min(image.channels, 3), 0, 1, outside_display));
+  } else if (options.half) {
+    encode(clamped_channels(image, image.channels, -max_half, max_half, clamped));
+  } else {
+    encode(image);
+  }
   write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  return exr ? outside : 0;
+  return clamped;
 }
 
 }  // namespace meristem

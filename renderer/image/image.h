@@ -1,4 +1,5 @@
-// Images in memory, and the one place that includes OpenImageIO: reading and writing files.
+// Images in memory, and reading and writing files. OpenImageIO does the work, in a module that is opened at first use
+// (image_codec.h).
 //
 // Reading: EXR, PNG, JPEG, Radiance HDR and TIFF, told apart by their first bytes, never by their names. Only regular
 // files, at most 65536 pixels a side, 64 channels and 2 GiB decoded, all checked before a pixel is read. Values are
@@ -44,5 +45,10 @@ struct WriteOptions {
 // of a half and were clamped to it (0 for all other formats).
 std::size_t write_image(const std::string& path, const Image& image, const Metadata& metadata = {},
                         const WriteOptions& options = {});
+
+// Throws the FileError that reading and writing would meet if the module is missing.
+void check_image_support();
+// Opens the module, which takes some 0.5 s, so that the next call does not have to. What fails is left for that call.
+void open_image_support() noexcept;
 
 }  // namespace meristem

@@ -1,4 +1,4 @@
-#include "renderer/image/memory_file.h"
+#include "renderer/image/codec/memory_file.h"
 
 #include <fmt/format.h>
 

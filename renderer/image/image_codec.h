@@ -1,0 +1,34 @@
+// ImageCodec: what needs OpenImageIO, behind a module that is opened at first use.
+//
+// OpenImageIO brings some 250 shared libraries, and the dynamic linker takes half a second for them. So
+// renderer/image/codec is not part of the program but of meristem_image.so, which stands beside the program (for
+// programs of the build folder's tests, one folder above) and is opened when the first image is read or written.
+// Program and module are built together; between them pass this interface and exceptions.
+#pragma once
+
+#include "renderer/image/image.h"
+
+#include <string>
+#include <vector>
+
+namespace meristem {
+
+// Any thread; errors are FileErrors that name the file.
+class ImageCodec {
+ public:
+  virtual Image read(const std::string& path) const = 0;
+  // The bytes of a file. `path` is for messages; the image's channels are those that the file gets.
+  virtual std::vector<unsigned char> encode(const std::string& path, ImageFormat format, const Image& image,
+                                            const Metadata& metadata, const WriteOptions& options) const = 0;
+
+ protected:
+  ~ImageCodec() = default;
+};
+
+// Opens the module at the first call; it stays open. Any thread; throws a FileError that names the module.
+const ImageCodec& image_codec();
+
+}  // namespace meristem
+
+// What the module exports. Never null; lives as long as the module.
+extern "C" const meristem::ImageCodec* meristem_image_codec();
