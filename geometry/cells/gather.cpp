@@ -95,13 +95,20 @@ class ChildMaker {
     return model_.grows_later(mesh_.origins[mesh_.face_origins[f]].symbol, inner_.level);
   }
 
+  // A bud without neighbours reaches nobody's smoothing: it may stand with others in one cell, as far as sizes allow.
+  bool is_alone(std::uint32_t f) const {
+    const auto corners = mesh_.corners(f);
+    return std::all_of(corners.begin(), corners.end(),
+                       [&](std::uint32_t v) { return inner_.adjacency->faces_of_vertex(v).size() == 1; });
+  }
+
   // For owned faces that still grow or touch one that does: the name of their group. Buds that share a neighbour share
   // a group.
   std::vector<std::uint32_t> find_bud_neighbors() const {
     std::vector<std::uint32_t> group(mesh_.face_count(), none);
     Groups groups(mesh_.face_count());
     for (std::uint32_t bud = 0; bud < mesh_.face_count(); ++bud) {
-      if (!is_bud(bud)) continue;
+      if (!is_bud(bud) || is_alone(bud)) continue;
       group[bud] = bud;
       for (std::uint32_t v : mesh_.corners(bud))
         for (std::uint32_t g : inner_.adjacency->faces_of_vertex(v)) {

@@ -5,11 +5,14 @@
 #pragma once
 
 #include "geometry/base/registry.h"
+#include "geometry/cells/step.h"
 #include "geometry/mesh/mesh.h"
 #include "geometry/mesh/quantum.h"
 #include "procedural/growth/growth_symbols.h"
 #include "procedural/growth/named_faces.h"
 
+#include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,6 +26,8 @@ struct BaseContext {
   Key seed = 0;  // for rand() in the symbols' parameters
   std::int32_t material = -1;
   std::string folder = {};  // of the scene's assets
+  std::function<int(const std::string& name, const Location& where)> material_index =
+      {};  // reports unknown names itself
 };
 
 class BaseShape {
@@ -31,6 +36,12 @@ class BaseShape {
   // The mesh with keys, symbols, corner_uv and, where there are creases, corner_sharpness. Positions are not yet on a
   // grid.
   Mesh build(BaseContext& context) const;
+  // Steps of its own that go before those of the model: how a shape that is a seed grows into what it stands for.
+  // `is_refined`: whether subdivision follows.
+  virtual std::vector<std::unique_ptr<Step>> growth(const BaseContext& context, bool is_refined) const {
+    (void)context, (void)is_refined;
+    return {};
+  }
 
  protected:
   // The symbol, written as text, of a kind of faces.

@@ -62,6 +62,7 @@ Components::Components() {
   register_samplers(samplers);
   register_filters(filters);
   register_bases(bases);
+  register_plants(bases);
   register_templates(templates);
 }
 

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace meristem {
 
 namespace {
@@ -59,13 +61,19 @@ class ModelBuilder {
         section.material.empty() ? 0 : context_.material_index(section.material, params.location_of("material"));
     const auto shape = all_components().bases.create(*section.base, "", diagnostics_);
     if (!shape) return {};
-    BaseContext context{*symbols_, diagnostics_, seed_, material, context_.folder};
+    BaseContext context{*symbols_, diagnostics_, seed_, material, context_.folder, context_.material_index};
     Mesh mesh = shape->build(context);
+    steps_ = shape->growth(context, section.steps && has_subdivision(*section.steps));
     if (const std::string defect = manifold_defect(mesh); !defect.empty())
       diagnostics_.error(section.base->location, fmt::format("the base mesh is not a manifold: {}", defect));
     else if (mesh.face_count() == 0)
       diagnostics_.error(section.base->location, "the base mesh has no faces");
     return mesh;
+  }
+
+  static bool has_subdivision(const Value& steps) {
+    return std::any_of(steps.items.begin(), steps.items.end(),
+                       [](const Value& step) { return step.find("subdivide") != nullptr; });
   }
 
   void read_steps(const Value& steps) {

@@ -30,7 +30,9 @@ class JsonText {
     else if (c == '"') {
       v.kind = Value::Kind::Text;
       v.text = read_text();
-    } else
+    } else if (c == 'n')
+      at_ += 4;  // null
+    else
       read_number(v);
     skip();
     return v;

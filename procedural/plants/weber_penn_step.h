@@ -1,0 +1,54 @@
+// WeberPennStep: one level of a tree of Weber and Penn: every bud of the level is replaced by its whole stem, a closed
+// component of the mesh, with the buds of its children; on stems of the last level leaves grow at once.
+//
+// A bud is a single triangle without neighbours, on the axis of its parent: its face frame is the frame of the stem (z
+// along it), its symbol names the level, its parameters are what the stem needs of its parent, and its key is the
+// source of all randomness. So a stem depends on its bud alone, and a step needs no halo. The triangle itself vanishes.
+#pragma once
+
+#include "geometry/cells/step.h"
+#include "procedural/plants/stem_mesh.h"
+
+#include <memory>
+
+namespace meristem {
+
+// What the steps of one tree share.
+struct WeberPennPlant {
+  WeberPennParameters parameters;
+  std::vector<std::int32_t> bud_symbols;  // by level
+  StemFaces bark;
+  std::int32_t leaf_symbol = -1, leaf_material = -1;
+  bool is_smoothed = false;  // whether subdivision follows
+  Key seed = 0;              // enters every random number
+};
+
+constexpr int bud_parameter_count = 5;  // length, radius, children, inset, scale
+
+class WeberPennStep final : public Step {
+ public:
+  WeberPennStep(std::shared_ptr<const WeberPennPlant> plant, int level);
+
+  std::string name() const override;
+  int halo_rings(int rings_after) const override { return rings_after; }
+  std::uint32_t max_children(std::uint32_t corners) const override;  // about so many, for cutting cells
+  void apply(const CellMesh& in, int rings_after, CellMesh& out) const override;
+  Extent bound(const Extent& e) const override;
+  bool grows(std::int32_t symbol) const override { return symbol == bud_symbol(level_); }
+  void set_quantum(const Quantum& quantum) override { quantum_ = quantum; }
+
+ private:
+  class Application;
+  std::int32_t bud_symbol(int level) const { return plant_->bud_symbols[std::size_t(level)]; }
+  bool is_last() const { return level_ + 1 == plant_->parameters.levels; }
+  StemDetail detail() const;
+
+  std::shared_ptr<const WeberPennPlant> plant_;
+  const int level_;
+  Quantum quantum_;
+};
+
+// The triangle of a bud: corners in order, so that its face frame is `frame`.
+std::array<Vec3d, 3> bud_corners(const Affine3d& frame);
+
+}  // namespace meristem
