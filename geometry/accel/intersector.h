@@ -3,7 +3,10 @@
 
 #include "geometry/accel/surface.h"
 #include "geometry/base/bounds.h"
+#include "geometry/base/expansion_profile.h"
 #include "geometry/base/statistics.h"
+
+#include <optional>
 
 namespace meristem {
 
@@ -22,6 +25,8 @@ class Intersector {
   virtual Bounds3f bounds() const = 0;
   // What expansion did so far. Not while threads trace.
   virtual ExpansionStatistics statistics() const { return {}; }
+  // What was recorded of it so far; nothing if recording was not asked for. Not while threads trace.
+  virtual std::optional<ExpansionProfile> profile() const { return {}; }
 };
 
 }  // namespace meristem

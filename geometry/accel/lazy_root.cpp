@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <atomic>
-#include <chrono>
 
 namespace meristem {
 
@@ -19,6 +18,8 @@ class CellEntry : public CacheEntry {
   CellEntry(std::unique_ptr<SurfacePatch> patch, Key key)
       : patch_(std::move(patch)), key_(key), real_bounds_(patch_->tessellation().bounds()) {
     bytes = patch_->bytes() + sizeof(*this);
+    label.is_surface = true;
+    label.tree_bytes = patch_->bytes() - patch_->tessellation().bytes();
   }
   CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner);
 
@@ -78,8 +79,8 @@ class LazyRoot final : public ModelRoot {
   CellEntry* child(CellEntry& parent, std::size_t index) const {
     return static_cast<CellEntry*>(cache_.acquire(parent.slot(index), &parent, [this, &parent, index] {
       const InnerCell& inner = parent.inner();
-      auto entry = make_entry([&] { return child_cell(*model_, inner, index); }, inner.level,
-                              inner.child_bounds[index], inner.child_keys[index]);
+      auto entry = make_entry([&] { return child_cell(*model_, inner, index); }, inner.level, inner.child_bounds[index],
+                              inner.child_keys[index]);
       parent.proxies().tighten(index, static_cast<const CellEntry&>(*entry).real_bounds());
       return entry;
     }));
@@ -102,10 +103,14 @@ class LazyRoot final : public ModelRoot {
   template <class Cut>
   std::unique_ptr<CacheEntry> make_entry(const Cut& cut, int level, const Bounds3f& bounds, Key key) const {
     try {
-      const auto start = std::chrono::steady_clock::now();
-      Expansion expansion = expand(*model_, cut(), level);
+      const double start_s = counts_.now_s();
+      CellMesh mesh = cut();
+      const std::int32_t symbol = mesh.mesh.origins[mesh.mesh.face_origins[0]].symbol;
+      Expansion expansion = expand(*model_, std::move(mesh), level);
+      const double built_from_s = counts_.now_s();
       auto entry = entry_of(expansion, bounds, key);
-      counts_.add(*model_, expansion, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      const Bounds3f& real_bounds = static_cast<const CellEntry&>(*entry).real_bounds();
+      counts_.add({*model_, level, key, symbol, expansion, start_s, built_from_s, bounds, real_bounds}, *entry);
       return entry;
     } catch (const std::exception& error) {
       counts_.add_defect(fmt::format("a cell of model \"{}\" could not be expanded: {}", model_->name(), error.what()));
@@ -137,24 +142,29 @@ void intersect_child(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   CellEntry& parent = owner(args->geometryUserPtr);
   auto& context = *reinterpret_cast<RayContext*>(args->context);
-  if (CellEntry* cell = parent.root().child(parent, args->primID))
+  if (CellEntry* cell = parent.root().child(parent, args->primID)) {
+    if (context.visits) ++context.visits[cell->label.cell_class];
     LazyRoot::intersect_cell(*cell, context, *reinterpret_cast<RTCRayHit*>(args->rayhit));
+  }
 }
 
 void occluded_child(const RTCOccludedFunctionNArguments* args) {
   if (!args->valid[0]) return;
   CellEntry& parent = owner(args->geometryUserPtr);
   auto& context = *reinterpret_cast<RayContext*>(args->context);
-  if (CellEntry* cell = parent.root().child(parent, args->primID))
+  if (CellEntry* cell = parent.root().child(parent, args->primID)) {
+    if (context.visits) ++context.visits[cell->label.cell_class];
     LazyRoot::occluded_cell(*cell, context, *reinterpret_cast<RTCRay*>(args->ray));
+  }
 }
 
 CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner)
     : root_(&root), inner_(std::move(inner)), slots_(std::make_unique<CacheSlot[]>(inner_->child_count())) {
   for (const Bounds3f& b : inner_->child_bounds) real_bounds_.extend(b);
-  proxies_ = std::make_unique<ProxyScene>(inner_->child_bounds,
-                                          ProxyScene::Callbacks{this, intersect_child, occluded_child});
+  proxies_ =
+      std::make_unique<ProxyScene>(inner_->child_bounds, ProxyScene::Callbacks{this, intersect_child, occluded_child});
   bytes = proxies_->bytes() + inner_->bytes() + inner_->child_count() * sizeof(CacheSlot) + sizeof(*this);
+  label.tree_bytes = proxies_->bytes();
 }
 
 }  // namespace

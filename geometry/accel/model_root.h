@@ -1,13 +1,8 @@
 // ModelRoot: one model as something rays can be traced into, in the model's own frame.
 #pragma once
 
+#include "geometry/accel/expansion_counts.h"
 #include "geometry/accel/surface_patch.h"
-#include "geometry/base/statistics.h"
-#include "geometry/cache/geometry_cache.h"
-#include "geometry/cells/expansion.h"
-
-#include <mutex>
-#include <set>
 
 namespace meristem {
 
@@ -17,23 +12,8 @@ struct RayContext {
   const SurfacePatch* patch = nullptr;  // what the nearest hit so far lies on
   Key patch_key = 0;                    // of its cell: decides ties
   int patch_object = -1;
-  int object = -1;  // being traced
-};
-
-// What expansion did, by level of the model. Touched by expansions only.
-class ExpansionCounts {
- public:
-  void add(const Model& model, const Expansion& expansion, double seconds);
-  void add_defect(std::string message);  // a cell that left its bounds or could not be expanded: each text kept once
-  void write(ExpansionStatistics& statistics) const;
-
- private:
-  mutable std::mutex mutex_;
-  std::uint64_t faces_ = 0;
-  double time_s_ = 0;
-  std::vector<StepStatistics> by_step_;  // by name, in order of appearance
-  std::uint64_t failed_ = 0;
-  std::set<std::string> defects_;
+  int object = -1;                  // being traced
+  std::uint32_t* visits = nullptr;  // of a sampled ray: counts of the cells it meets, by class
 };
 
 class ModelRoot {

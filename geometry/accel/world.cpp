@@ -1,6 +1,8 @@
 #include "geometry/accel/world.h"
 
 #include "geometry/accel/model_root.h"
+#include "geometry/mesh/limit.h"
+#include "geometry/mesh/refine_plan.h"
 
 #include <atomic>
 #include <limits>
@@ -12,10 +14,37 @@ namespace {
 
 constexpr std::size_t unlimited_bytes = std::numeric_limits<std::size_t>::max();
 
+// Of the tables that all cells share.
+std::size_t shared_plan_bytes() { return refine_plan_bytes() + limit_plan_bytes(); }
+
+std::unique_ptr<ExpansionRecorder> make_recorder(const WorldOptions& options) {
+  if (!options.record || options.mode == ExpandMode::Flat) return nullptr;
+  const std::size_t budget = options.mode == ExpandMode::Lazy ? options.budget_bytes : 0;
+  return std::make_unique<ExpansionRecorder>(budget, shared_plan_bytes);
+}
+
+// While one lives, the ray counts the cells it meets, if there is a recorder and the ray is in its sample.
+class SampledRay {
+ public:
+  SampledRay(ExpansionRecorder* recorder, RayContext& context) : recorder_(recorder) {
+    if (recorder_ && !(context.visits = recorder_->begin_ray())) recorder_ = nullptr;
+  }
+  ~SampledRay() {
+    if (recorder_) recorder_->end_ray();
+  }
+  SampledRay(const SampledRay&) = delete;
+  SampledRay& operator=(const SampledRay&) = delete;
+
+ private:
+  ExpansionRecorder* recorder_;
+};
+
 class World final : public Intersector {
  public:
   World(std::vector<WorldObject> objects, const WorldOptions& options)
-      : cache_(options.mode == ExpandMode::Lazy ? options.budget_bytes : unlimited_bytes) {
+      : recorder_(make_recorder(options)),
+        cache_(options.mode == ExpandMode::Lazy ? options.budget_bytes : unlimited_bytes, recorder_.get()),
+        counts_(recorder_.get()) {
     std::map<const Model*, const ModelRoot*> roots;
     for (WorldObject& o : objects) {
       const ModelRoot*& root = roots[o.model.get()];
@@ -36,6 +65,7 @@ class World final : public Intersector {
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     RayContext context;
     rtcInitIntersectContext(&context.embree);
+    const SampledRay sampled(recorder_.get(), context);
     if (is_single_identity_) {
       context.object = 0;
       objects_[0].root.intersect(context, query);
@@ -55,6 +85,7 @@ class World final : public Intersector {
     if (!start(ray, query)) return false;
     RayContext context;
     rtcInitIntersectContext(&context.embree);
+    const SampledRay sampled(recorder_.get(), context);
     if (is_single_identity_)
       objects_[0].root.occluded(context, query);
     else
@@ -76,8 +107,13 @@ class World final : public Intersector {
     s.waits = c.waits;
     s.resident_bytes_peak = c.resident_bytes_peak;
     s.limbo_bytes_peak = c.limbo_bytes_peak;
+    s.plan_bytes = shared_plan_bytes();
     s.invalid_rays = invalid_rays_.load();
     return s;
+  }
+
+  std::optional<ExpansionProfile> profile() const override {
+    return recorder_ ? std::optional(recorder_->profile()) : std::nullopt;
   }
 
  private:
@@ -197,6 +233,7 @@ class World final : public Intersector {
     ray.tfar = local.tfar;
   }
 
+  const std::unique_ptr<ExpansionRecorder> recorder_;  // null: nothing is recorded
   mutable GeometryCache cache_;
   ExpansionCounts counts_;
   mutable std::atomic<std::uint64_t> invalid_rays_{0};

@@ -31,6 +31,7 @@ struct WorldOptions {
   ExpandMode mode = ExpandMode::Lazy;
   std::size_t budget_bytes = std::size_t(2) << 30;  // of the geometry cache (Lazy)
   int threads = 1;                                  // for expanding everything (Eager, Flat)
+  bool record = false;                              // Intersector::profile() then has figures (Lazy, Eager)
 };
 
 // Makes the world; Eager and Flat expand here. Throws std::runtime_error if Embree fails.

@@ -9,6 +9,7 @@
 namespace meristem {
 
 struct StepStatistics {
+  std::string model;        // its name in the scene; all its individuals together
   std::string step;         // Step::name() and its level: "grow 2", "subdivide 3 (placed)"
   std::uint64_t cells = 0;  // expansions that this step answered, repeated ones among them
   std::uint64_t faces = 0;  // owned faces they made
@@ -26,6 +27,7 @@ struct ExpansionStatistics {
   std::uint64_t invalid_rays = 0;  // not finite or without direction: they hit nothing
   std::uint64_t resident_bytes_peak = 0;
   std::uint64_t limbo_bytes_peak = 0;  // evicted, but possibly still in use by a ray in flight
+  std::uint64_t plan_bytes = 0;        // refinement plans shared by cells of one shape, at the end; beside the budget
   std::vector<std::string> defects;    // each kind once: cells that left their bounds or could not be expanded
   std::vector<StepStatistics> by_step;
 };

@@ -1,6 +1,7 @@
 #include "geometry/cache/geometry_cache.h"
 
 #include "geometry/base/check.h"
+#include "geometry/cache/expansion_recorder.h"
 
 #include <algorithm>
 
@@ -67,13 +68,19 @@ CacheEntry* GeometryCache::acquire_slow(CacheSlot& slot, CacheEntry* parent, con
     if (word > CacheSlot::failed) return reinterpret_cast<CacheEntry*>(word);
     if (word == CacheSlot::failed) return nullptr;
     if (word == CacheSlot::expanding) {
-      waits_.fetch_add(1, std::memory_order_relaxed);
-      slot.word_.wait(CacheSlot::expanding, std::memory_order_acquire);
+      wait_for(slot);
       continue;
     }
     if (slot.word_.compare_exchange_strong(word, CacheSlot::expanding, std::memory_order_acq_rel))
       return expand_slot(slot, parent, expand);
   }
+}
+
+void GeometryCache::wait_for(const CacheSlot& slot) {
+  waits_.fetch_add(1, std::memory_order_relaxed);
+  const double start_s = recorder_ ? recorder_->now_s() : 0;
+  slot.word_.wait(CacheSlot::expanding, std::memory_order_acquire);
+  if (recorder_) recorder_->add_wait(start_s);
 }
 
 CacheEntry* GeometryCache::expand_slot(CacheSlot& slot, CacheEntry* parent, const Expand& expand) {
@@ -109,6 +116,7 @@ void GeometryCache::publish(CacheSlot& slot, CacheEntry* parent, std::unique_ptr
     slot.was_expanded_ = true;
     entry->slot_ = &slot;
     entry->parent_ = parent;
+    if (recorder_) recorder_->expanded(entry->label, entry->bytes);
     if (is_orphan) {
       entry->evicted_ = true;
       send_to_limbo(entry);
@@ -169,6 +177,7 @@ void GeometryCache::send_to_limbo(CacheEntry* entry) {
   limbo_.push_back(entry);
   statistics_.limbo_bytes += entry->bytes;
   statistics_.limbo_bytes_peak = std::max(statistics_.limbo_bytes_peak, statistics_.limbo_bytes);
+  if (recorder_) recorder_->evicted(entry->label, entry->bytes);
 }
 
 std::uint64_t GeometryCache::oldest_epoch() const {
@@ -188,6 +197,7 @@ void GeometryCache::reclaim() {
     delete *it;
   }
   limbo_.erase(limbo_.begin(), first_kept);
+  if (recorder_) recorder_->limbo_is(statistics_.limbo_bytes);
 }
 
 CacheStatistics GeometryCache::statistics() const {

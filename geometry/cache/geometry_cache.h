@@ -10,8 +10,12 @@
 // uses stays valid. Resident bytes exceed the budget by no more than the cells being expanded at the moment; what
 // cannot be evicted (ancestors of cells in use) stays.
 //
+// With a recorder, expansions, evictions and waits are recorded; hits never are.
+//
 // Threads: up to max_threads at once; more are a CHECK.
 #pragma once
+
+#include "geometry/base/key.h"
 
 #include <array>
 #include <atomic>
@@ -25,6 +29,7 @@
 namespace meristem {
 
 class CacheEntry;
+class ExpansionRecorder;
 
 // The state of a proxy's cell in one word: Empty, Expanding, Failed, or Resident (a pointer to the entry).
 class CacheSlot {
@@ -41,12 +46,21 @@ class CacheSlot {
   bool was_expanded_ = false;  // written by the expanding thread only
 };
 
+// What a recorder knows an entry by.
+struct CellLabel {
+  Key cell = 0;                  // the same whenever the cell is expanded
+  std::uint32_t cell_class = 0;  // ExpansionRecorder::class_of()
+  bool is_surface = false;
+  std::size_t tree_bytes = 0;  // of its bytes: Embree's
+};
+
 // What an expansion left behind. Subclasses own the geometry; the destructor frees it.
 class CacheEntry {
  public:
   virtual ~CacheEntry() = default;
   // All memory of the entry, hidden costs included. Constant after construction.
   std::size_t bytes = 0;
+  CellLabel label;
 
  private:
   friend class GeometryCache;
@@ -69,7 +83,9 @@ class GeometryCache {
  public:
   static constexpr int max_threads = 1088;  // the most that --threads allows, and some
 
-  explicit GeometryCache(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
+  // A recorder outlives the cache.
+  explicit GeometryCache(std::size_t budget_bytes, ExpansionRecorder* recorder = nullptr)
+      : budget_bytes_(budget_bytes), recorder_(recorder) {}
   ~GeometryCache();
   GeometryCache(const GeometryCache&) = delete;
   GeometryCache& operator=(const GeometryCache&) = delete;
@@ -100,10 +116,13 @@ class GeometryCache {
 
   std::size_t budget_bytes() const { return budget_bytes_; }
   CacheStatistics statistics() const;
+  // Of the calling thread for its life, in all caches; given to another thread after it.
+  static int thread_index();
 
  private:
   using Expand = std::function<std::unique_ptr<CacheEntry>()>;
   CacheEntry* acquire_slow(CacheSlot& slot, CacheEntry* parent, const Expand& expand);
+  void wait_for(const CacheSlot& slot);
   CacheEntry* expand_slot(CacheSlot& slot, CacheEntry* parent, const Expand& expand);
   bool adopt_child(CacheEntry* parent);                                                                  // takes mutex_
   void publish(CacheSlot& slot, CacheEntry* parent, std::unique_ptr<CacheEntry> entry, bool is_orphan);  // takes mutex_
@@ -114,8 +133,6 @@ class GeometryCache {
   void send_to_limbo(CacheEntry* entry);
   void reclaim();
   std::uint64_t oldest_epoch() const;
-  // Of the calling thread for its life, in all caches; given to another thread after it.
-  static int thread_index();
 
   static constexpr std::uint64_t outside = ~std::uint64_t(0);
   struct alignas(64) ThreadEpoch {
@@ -123,6 +140,7 @@ class GeometryCache {
   };
 
   const std::size_t budget_bytes_;
+  ExpansionRecorder* const recorder_;
   std::array<ThreadEpoch, max_threads> threads_;
   std::atomic<std::uint64_t> epoch_{1};
   std::atomic<std::uint64_t> waits_{0};

@@ -45,6 +45,11 @@ class Step {
     (void)symbol;
     return false;
   }
+  // What the scene calls a symbol that it grows; for reports.
+  virtual std::string symbol_name(std::int32_t symbol) const {
+    (void)symbol;
+    return {};
+  }
   // Told once, by the model's constructor, before any apply(): the grid on which it must place vertices.
   virtual void set_quantum(const Quantum& quantum) { (void)quantum; }
   // Whether vertices are moved off the scheme's smooth position (so that no limit is known).

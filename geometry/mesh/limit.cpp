@@ -333,14 +333,24 @@ std::shared_ptr<const LimitPlan> make_limit_plan(const Mesh& mesh, std::uint32_t
   return std::make_shared<const LimitPlan>(LimitPlanBuilder(mesh, owned_faces, options).take());
 }
 
+namespace {
+
+// A leaf of 32 x 32 quads takes some 50 KB, so about 600 shapes stay.
+PlanTable<LimitPlan>& plan_table() {
+  static PlanTable<LimitPlan> table(std::size_t(32) << 20);
+  return table;
+}
+
+}  // namespace
+
+std::size_t limit_plan_bytes() { return plan_table().bytes(); }
+
 LimitSurface limit_surface(const Mesh& mesh, const LimitPlan& plan) { return LimitMasks(mesh, plan).take(); }
 
 LimitSurface limit_surface(const Mesh& mesh, std::uint32_t owned_faces, const RefineOptions& options) {
-  // A leaf of 32 x 32 quads takes some 50 KB, so about 600 shapes stay.
-  static PlanTable<LimitPlan> table(std::size_t(32) << 20);
   const std::uint64_t option_bits = std::uint64_t(options.scheme) << 4 | std::uint64_t(options.boundary);
-  const auto plan = table.get(shape_name(mesh, owned_faces, option_bits),
-                              [&] { return make_limit_plan(mesh, owned_faces, options); });
+  const auto plan = plan_table().get(shape_name(mesh, owned_faces, option_bits),
+                                     [&] { return make_limit_plan(mesh, owned_faces, options); });
   return limit_surface(mesh, *plan);
 }
 

@@ -56,5 +56,7 @@ LimitSurface limit_surface(const Mesh& mesh, const LimitPlan& plan);
 // The same with a plan from a table by shape, shared by all threads. The mesh must be one that the scheme's refinement
 // makes (all quads, all triangles), its positions on a grid, its halo one complete ring around the owned faces.
 LimitSurface limit_surface(const Mesh& mesh, std::uint32_t owned_faces, const RefineOptions& options);
+// What that table holds.
+std::size_t limit_plan_bytes();
 
 }  // namespace meristem

@@ -5,6 +5,7 @@
 #include "geometry/mesh/mesh.h"
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -37,6 +38,9 @@ class PlanTable {
     return plan;
   }
 
+  // Of the plans it holds.
+  std::size_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
+
  private:
   static constexpr std::size_t shard_count = 8;
   struct NameHash {
@@ -61,13 +65,17 @@ class PlanTable {
     const std::size_t bytes = plan->bytes();
     if (shard.bytes + bytes > shard_capacity_bytes_) {  // full: start afresh; what is in use comes back at once
       shard.plans.clear();
+      bytes_ -= shard.bytes;
       shard.bytes = 0;
     }
-    if (shard.plans.emplace(name, plan).second) shard.bytes += bytes;
+    if (!shard.plans.emplace(name, plan).second) return;
+    shard.bytes += bytes;
+    bytes_ += bytes;
   }
 
   const std::size_t shard_capacity_bytes_;
   std::array<Shard, shard_count> shards_;
+  std::atomic<std::size_t> bytes_{0};  // of all shards
 };
 
 }  // namespace meristem

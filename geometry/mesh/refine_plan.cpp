@@ -261,14 +261,24 @@ std::shared_ptr<const RefinePlan> make_refine_plan(const Mesh& mesh, std::uint32
   return std::make_shared<const RefinePlan>(PlanBuilder(mesh, owned_faces, rings_after, options).take());
 }
 
+namespace {
+
+// A full set of levels of one quad patch is some 150 KB, so about 200 shapes stay.
+PlanTable<RefinePlan>& plan_table() {
+  static PlanTable<RefinePlan> table(std::size_t(32) << 20);
+  return table;
+}
+
+}  // namespace
+
+std::size_t refine_plan_bytes() { return plan_table().bytes(); }
+
 std::shared_ptr<const RefinePlan> shared_refine_plan(const Mesh& mesh, std::uint32_t owned_faces, int rings_after,
                                                      const RefineOptions& options) {
-  // A full set of levels of one quad patch is some 150 KB, so about 200 shapes stay.
-  static PlanTable<RefinePlan> table(std::size_t(32) << 20);
   const std::uint64_t option_bits =
       std::uint64_t(rings_after) << 8 | std::uint64_t(options.scheme) << 4 | std::uint64_t(options.boundary);
-  return table.get(shape_name(mesh, owned_faces, option_bits),
-                   [&] { return make_refine_plan(mesh, owned_faces, rings_after, options); });
+  return plan_table().get(shape_name(mesh, owned_faces, option_bits),
+                          [&] { return make_refine_plan(mesh, owned_faces, rings_after, options); });
 }
 
 }  // namespace meristem

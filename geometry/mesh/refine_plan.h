@@ -87,5 +87,7 @@ std::shared_ptr<const RefinePlan> make_refine_plan(const Mesh& mesh, std::uint32
 // are dropped).
 std::shared_ptr<const RefinePlan> shared_refine_plan(const Mesh& mesh, std::uint32_t owned_faces, int rings_after,
                                                      const RefineOptions& options);
+// What that table holds.
+std::size_t refine_plan_bytes();
 
 }  // namespace meristem

@@ -46,7 +46,8 @@ class SceneBuilder {
     diagnostics_.throw_if_errors();
 
     const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
-    scene_->intersector = make_world(std::move(world), {options_.expand, scene_->settings.budget_bytes, threads});
+    scene_->intersector =
+        make_world(std::move(world), {options_.expand, scene_->settings.budget_bytes, threads, options_.record});
     for (auto& light : scene_->lights) light->prepare(scene_->intersector->bounds());
     return {std::move(scene_), sha256(file.location.source ? file.location.source->text : ""), diagnostics_.list()};
   }

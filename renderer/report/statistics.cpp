@@ -33,7 +33,8 @@ Value image_value(const ImageStatistics& i) {
 }
 
 Value step_value(const StepStatistics& s) {
-  return json::object({{"step", json::text(s.step)},
+  return json::object({{"model", json::text(s.model)},
+                       {"step", json::text(s.step)},
                        {"cells", json::count(s.cells)},
                        {"faces", json::count(s.faces)},
                        {"time_s", seconds(s.time_s)}});
@@ -54,6 +55,7 @@ Value expansion_value(const ExpansionStatistics& e) {
                        {"invalid_rays", json::count(e.invalid_rays)},
                        {"resident_bytes_peak", json::count(e.resident_bytes_peak)},
                        {"limbo_bytes_peak", json::count(e.limbo_bytes_peak)},
+                       {"plan_bytes", json::count(e.plan_bytes)},
                        {"defects", json::array(std::move(defects))},
                        {"by_step", json::array(std::move(steps))}});
 }
@@ -112,9 +114,10 @@ std::string details(const RenderStatistics& s) {
   text += fmt::format("cells: expanded {} (again {}), evicted {}, failed {}; at most {} resident, {} leaving\n",
                       format_count(e.cells_expanded), format_count(e.reexpanded), format_count(e.evicted),
                       format_count(e.failed), format_bytes(e.resident_bytes_peak), format_bytes(e.limbo_bytes_peak));
+  if (e.plan_bytes > 0) text += fmt::format("shared refinement plans: {}\n", format_bytes(e.plan_bytes));
   for (const StepStatistics& step : e.by_step)
-    text += fmt::format("  {:<28} {:>12} cells {:>14} faces {:>9.3f} s\n", step.step, format_count(step.cells),
-                        format_count(step.faces), step.time_s);
+    text += fmt::format("  {:<16} {:<28} {:>12} cells {:>14} faces {:>9.3f} s\n", step.model, step.step,
+                        format_count(step.cells), format_count(step.faces), step.time_s);
   return text;
 }
 

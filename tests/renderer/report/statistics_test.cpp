@@ -31,8 +31,9 @@ RenderStatistics sample_statistics() {
   s.expansion.waits = 3;
   s.expansion.invalid_rays = 4;
   s.expansion.limbo_bytes_peak = 5;
+  s.expansion.plan_bytes = 6;
   s.expansion.defects = {"a cell left its bounds"};
-  s.expansion.by_step = {{"grow 0", 34, 900, 0.125}, {"subdivide 1", 1200, 5678001, 1.5}};
+  s.expansion.by_step = {{"oak", "grow 0", 34, 900, 0.125}, {"oak", "subdivide 1", 1200, 5678001, 1.5}};
   return s;
 }
 
@@ -64,11 +65,13 @@ TEST(RenderStatistics, JsonHoldsEveryFigureUnderItsName) {
   EXPECT_EQ(at(v, {"expansion", "waits"}), 3);
   EXPECT_EQ(at(v, {"expansion", "invalid_rays"}), 4);
   EXPECT_EQ(at(v, {"expansion", "limbo_bytes_peak"}), 5);
+  EXPECT_EQ(at(v, {"expansion", "plan_bytes"}), 6);
   const Value& defects = *v.find("expansion")->find("defects");
   ASSERT_EQ(defects.items.size(), 1u);
   EXPECT_EQ(defects.items[0].text, "a cell left its bounds");
   const Value& steps = *v.find("expansion")->find("by_step");
   ASSERT_EQ(steps.items.size(), 2u);
+  EXPECT_EQ(steps.items[1].find("model")->text, "oak");
   EXPECT_EQ(steps.items[1].find("step")->text, "subdivide 1");
   EXPECT_EQ(at(steps.items[1], {"faces"}), 5678001);
 }
