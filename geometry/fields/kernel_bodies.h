@@ -8,47 +8,57 @@
 namespace meristem {
 namespace {
 
-MERISTEM_INLINE F at(const KernelCall& c, int operand, int lane) {
-  return load(c.operands[operand].data + (lane & c.operands[operand].step_mask));
+MERISTEM_INLINE F at(const Operand& operand, int lane) { return load(operand.data + (lane & operand.step_mask)); }
+MERISTEM_INLINE Point point_at(const Operand* operands, int lane) {
+  return {at(operands[0], lane), at(operands[1], lane), at(operands[2], lane)};
 }
-MERISTEM_INLINE Point point_at(const KernelCall& c, int operand, int lane) {
-  return {at(c, operand, lane), at(c, operand + 1, lane), at(c, operand + 2, lane)};
-}
-MERISTEM_INLINE void put(const KernelCall& c, int lane, F value) { store(c.out[0] + lane, value); }
-MERISTEM_INLINE void put(const KernelCall& c, int lane, Point p) {
-  store(c.out[0] + lane, p.x);
-  store(c.out[1] + lane, p.y);
-  store(c.out[2] + lane, p.z);
+MERISTEM_INLINE void put(const std::array<float*, 3>& out, int lane, F value) { store(out[0] + lane, value); }
+MERISTEM_INLINE void put(const std::array<float*, 3>& out, int lane, Point p) {
+  store(out[0] + lane, p.x);
+  store(out[1] + lane, p.y);
+  store(out[2] + lane, p.z);
 }
 
 MERISTEM_INLINE F absolute(F a) { return abs(a); }
 MERISTEM_INLINE Point absolute(Point p) { return {abs(p.x), abs(p.y), abs(p.z)}; }
-MERISTEM_INLINE void add_scaled(F& sum, F a, F s) { sum += a * s; }
+MERISTEM_INLINE void add_scaled(F& sum, F a, F s) { sum = fused(a, s, sum); }
 MERISTEM_INLINE void add_scaled(Point& sum, Point p, F s) {
-  sum.x += p.x * s;
-  sum.y += p.y * s;
-  sum.z += p.z * s;
+  add_scaled(sum.x, p.x, s);
+  add_scaled(sum.y, p.y, s);
+  add_scaled(sum.z, p.z, s);
 }
 
-// The loops. `body` gives the value of the lanes that start at `lane`.
+// The loops. `body` gives the value of the lanes that start at `lane`, from the operands. Of a fixed number of operands
+// it gets copies of its own, which stay in registers: those of the call might be overwritten by the results, for all
+// the compiler knows.
 template <class Body>
 MERISTEM_INLINE void for_lanes(const KernelCall& c, int lanes, Body body) {
-  for (int lane = 0; lane < lanes; lane += width) put(c, lane, body(lane));
+  const std::array<float*, 3> out = c.out;
+  for (int lane = 0; lane < lanes; lane += width) put(out, lane, body(lane));
+}
+template <int Count, class Body>
+MERISTEM_INLINE void for_operands(const KernelCall& c, int lanes, Body body) {
+  Operand operands[Count];
+  for (int k = 0; k < Count; ++k) operands[k] = c.operands[k];
+  for_lanes(
+      c, lanes, [&](int i) __attribute__((always_inline)) { return body(operands, i); });
 }
 template <class Function>
 MERISTEM_INLINE void unary(const KernelCall& c, int lanes, Function f) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) { return f(at(c, 0, i)); });
+  for_operands<1>(
+      c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) { return f(at(a[0], i)); });
 }
 template <class Function>
 MERISTEM_INLINE void binary(const KernelCall& c, int lanes, Function f) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) { return f(at(c, 0, i), at(c, 1, i)); });
+  for_operands<2>(
+      c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) { return f(at(a[0], i), at(a[1], i)); });
 }
 template <class Function>
 MERISTEM_INLINE void ternary(const KernelCall& c, int lanes, Function f) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) { return f(at(c, 0, i), at(c, 1, i), at(c, 2, i)); });
+  for_operands<3>(
+      c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
+        return f(at(a[0], i), at(a[1], i), at(a[2], i));
+      });
 }
 
 #define UNARY(name, value)                                                       \
@@ -138,16 +148,16 @@ void Mix(const KernelCall& c, int lanes) {
 }
 
 void Dot(const KernelCall& c, int lanes) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) {
-        const Point a = point_at(c, 0, i), b = point_at(c, 3, i);
+  for_operands<6>(
+      c, lanes, [&](const Operand* operands, int i) __attribute__((always_inline)) {
+        const Point a = point_at(operands, i), b = point_at(operands + 3, i);
         return finite(finite(finite(a.x * b.x) + finite(a.y * b.y)) + finite(a.z * b.z));
       });
 }
 void Cross(const KernelCall& c, int lanes) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) {
-        const Point a = point_at(c, 0, i), b = point_at(c, 3, i);
+  for_operands<6>(
+      c, lanes, [&](const Operand* operands, int i) __attribute__((always_inline)) {
+        const Point a = point_at(operands, i), b = point_at(operands + 3, i);
         auto minor = [&](F p, F q, F r, F s) __attribute__((always_inline)) {
           return finite(finite(p * q) - finite(r * s));
         };
@@ -173,16 +183,16 @@ MERISTEM_INLINE PointD normalized(PointD p) {
 }
 
 void Length(const KernelCall& c, int lanes) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) {
-        const Point p = point_at(c, 0, i);
+  for_operands<3>(
+      c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
+        const Point p = point_at(a, i);
         return join(finite(length(lower_point(p))), finite(length(upper_point(p))));
       });
 }
 void Norm(const KernelCall& c, int lanes) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) {
-        const Point p = point_at(c, 0, i);
+  for_operands<3>(
+      c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
+        const Point p = point_at(a, i);
         return join_points(normalized(lower_point(p)), normalized(upper_point(p)));
       });
 }
@@ -198,37 +208,41 @@ MERISTEM_INLINE PointD rotated(PointD v, PointD axis, D angle) {
           v.z * cosine + (k.x * v.y - k.y * v.x) * s + k.z * along};
 }
 void Rotate(const KernelCall& c, int lanes) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) {
-        const Point v = point_at(c, 0, i), axis = point_at(c, 3, i);
-        const F angle = at(c, 6, i);
+  for_operands<7>(
+      c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
+        const Point v = point_at(a, i), axis = point_at(a + 3, i);
+        const F angle = at(a[6], i);
         return join_points(rotated(lower_point(v), lower_point(axis), lower_half(angle)),
                            rotated(upper_point(v), upper_point(axis), upper_half(angle)));
       });
 }
 
 void Noise(const KernelCall& c, int lanes) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) { return signed_noise(point_at(c, 0, i)); });
+  for_operands<3>(
+      c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
+        return one_noise(cell_of(clamp_point(point_at(a, i)))) * noise_scale;
+      });
 }
 void VectorNoise(const KernelCall& c, int lanes) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) {
-        return vector_noise(cell_of(clamp_point(point_at(c, 0, i))));
+  for_operands<3>(
+      c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
+        const Point n = vector_noise(cell_of(clamp_point(point_at(a, i))));
+        return Point{n.x * noise_scale, n.y * noise_scale, n.z * noise_scale};
       });
 }
 
 // Operands: point, lacunarity, gain; `parameter` octaves. The sum of shape(noise of octave k) * gain^k.
 template <class Noise, class Shape>
 MERISTEM_INLINE void octaves(const KernelCall& c, int lanes, Noise noise, Shape shape) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) {
-        Point p = clamp_point(point_at(c, 0, i));
-        const F lacunarity = clamp(at(c, 3, i), splat(-max_lacunarity), splat(max_lacunarity));
-        const F gain = clamp(at(c, 4, i), splat(-max_gain), splat(max_gain));
-        F amplitude = splat(1.0f);
+  const int count = c.parameter;
+  for_operands<5>(
+      c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
+        Point p = clamp_point(point_at(a, i));
+        const F lacunarity = clamp(at(a[3], i), splat(-max_lacunarity), splat(max_lacunarity));
+        const F gain = clamp(at(a[4], i), splat(-max_gain), splat(max_gain));
+        F amplitude = splat(noise_scale);
         decltype(noise(cell_of(p))) sum{};
-        for (int k = 0; k < c.parameter; ++k) {
+        for (int k = 0; k < count; ++k) {
           const Cell cell = cell_of(p);
           p = next_octave(p, lacunarity,
                           octave_shifts[std::size_t(k)]);  // before the sum: its latency hides behind that
@@ -238,7 +252,6 @@ MERISTEM_INLINE void octaves(const KernelCall& c, int lanes, Noise noise, Shape 
         return sum;
       });
 }
-MERISTEM_INLINE F one_noise(const Cell& cell) { return noise_at(cell, 0); }
 #define OCTAVES(name, noise, shape)                                                             \
   void name(const KernelCall& c, int lanes) {                                                   \
     octaves(                                                                                    \
@@ -251,38 +264,43 @@ OCTAVES(Turbulence, one_noise, absolute(n))
 OCTAVES(VectorTurbulence, vector_noise, absolute(n))
 
 void CellNoise(const KernelCall& c, int lanes) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) { return uniform(cell_hash(point_at(c, 0, i))); });
+  for_operands<3>(
+      c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
+        return uniform(cell_hash(point_at(a, i)));
+      });
 }
 void CellColor(const KernelCall& c, int lanes) {
-  for_lanes(
-      c, lanes, [&](int i) __attribute__((always_inline)) { return color_of(cell_hash(point_at(c, 0, i))); });
+  for_operands<3>(
+      c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
+        return color_of(cell_hash(point_at(a, i)));
+      });
 }
 void Voronoi(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) {
+  for_operands<4>(c, lanes, [&](const Operand* a, int i) {
     Point cell, local;
-    const Features f = find_features(point_at(c, 0, i), at(c, 3, i), cell, local);
+    const Features f = find_features(point_at(a, i), at(a[3], i), cell, local);
     return voronoi_value(f, local, c.parameter);
   });
 }
 void VoronoiPosition(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) {
+  for_operands<4>(c, lanes, [&](const Operand* a, int i) {
     Point cell, local;
-    const Point q = find_features(point_at(c, 0, i), at(c, 3, i), cell, local).position1;
+    const Point q = find_features(point_at(a, i), at(a[3], i), cell, local).position1;
     return Point{cell.x + q.x, cell.y + q.y, cell.z + q.z};
   });
 }
 void VoronoiColor(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) {
+  for_operands<4>(c, lanes, [&](const Operand* a, int i) {
     Point cell, local;
-    return color_of(find_features(point_at(c, 0, i), at(c, 3, i), cell, local).hash1);
+    return color_of(find_features(point_at(a, i), at(a[3], i), cell, local).hash1);
   });
 }
 
 void Hash(const KernelCall& c, int lanes) {
   for_lanes(c, lanes, [&](int i) {
     U h = U{} + std::uint32_t(c.operand_count);
-    for (int k = 0; k < c.operand_count; ++k) h = scramble(h * 0x9e3779b1u + U(at(c, k, i) + 0.0f));  // + 0: -0 is 0
+    for (int k = 0; k < c.operand_count; ++k)
+      h = scramble(h * 0x9e3779b1u + U(at(c.operands[k], i) + 0.0f));  // + 0: -0 is 0
     return uniform(h);
   });
 }
@@ -291,16 +309,16 @@ void Hash(const KernelCall& c, int lanes) {
 void Spline(const KernelCall& c, int lanes) {
   const int segments = c.operand_count - 4;
   for_lanes(c, lanes, [&](int i) {
-    const F u = clamp(at(c, 0, i), splat(0.0f), splat(1.0f)) * float(segments);
+    const F u = clamp(at(c.operands[0], i), splat(0.0f), splat(1.0f)) * float(segments);
     const F segment = min(floor(u), splat(float(segments - 1)));
     const F t = u - segment;
-    F y0 = at(c, 1, i), y1 = at(c, 2, i), y2 = at(c, 3, i), y3 = at(c, 4, i);
+    F y0 = at(c.operands[1], i), y1 = at(c.operands[2], i), y2 = at(c.operands[3], i), y3 = at(c.operands[4], i);
     for (int k = 1; k < segments; ++k) {
       const I here = I(segment >= float(k));
-      y0 = blend(y0, at(c, k + 1, i), here);
-      y1 = blend(y1, at(c, k + 2, i), here);
-      y2 = blend(y2, at(c, k + 3, i), here);
-      y3 = blend(y3, at(c, k + 4, i), here);
+      y0 = blend(y0, at(c.operands[k + 1], i), here);
+      y1 = blend(y1, at(c.operands[k + 2], i), here);
+      y2 = blend(y2, at(c.operands[k + 3], i), here);
+      y3 = blend(y3, at(c.operands[k + 4], i), here);
     }
     auto weigh = [&](F w, F y) __attribute__((always_inline)) { return finite(w * y); };
     const F t2 = t * t, t3 = t2 * t;
@@ -312,8 +330,8 @@ void Spline(const KernelCall& c, int lanes) {
 }
 
 void Curve(const KernelCall& c, int lanes) {
-  for_lanes(c, lanes, [&](int i) {
-    const F x = at(c, 0, i);
+  for_operands<1>(c, lanes, [&](const Operand* place, int i) {
+    const F x = at(place[0], i);
     F start = splat(c.pieces[0].start), c0 = splat(c.pieces[0].c0), c1{}, c2{}, c3{};  // the first piece is constant
     for (int k = 1; k < c.parameter; ++k) {
       const CurvePiece& piece = c.pieces[k];

@@ -1,5 +1,5 @@
 // Kernels: one function an operation, over many lanes, in two builds: for the baseline of the project (SSE4.2) and for
-// AVX2 (without FMA). Both give the same bits. Pure functions; any thread.
+// AVX2 with FMA. Both give the same bits. Pure functions; any thread.
 #pragma once
 
 #include "geometry/base/key.h"

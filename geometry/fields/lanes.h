@@ -1,6 +1,6 @@
 // Lanes: the few vector operations that the kernels of the expression language are written in, over 4 lanes (SSE4.2) or
-// 8 lanes (AVX2). Every operation acts on each lane by itself and is exact or correctly rounded, and there is no fused
-// multiply-add, so a lane gets the same bits with either width and at any position.
+// 8 lanes (AVX2 and FMA). Every operation acts on each lane by itself and is exact or correctly rounded, and products
+// and sums are fused only where fused() says so, so a lane gets the same bits with either width and at any position.
 //
 // Only for the kernels_*.cpp files, which define MERISTEM_LANES first; everything is local to them.
 #pragma once
@@ -12,7 +12,7 @@
 #error "lanes.h is only for the kernels"
 #endif
 #if MERISTEM_LANES == 8
-#pragma GCC target("avx2")  // after the includes: inline functions of other headers must stay at the baseline
+#pragma GCC target("avx2,fma")  // after the includes: inline functions of other headers must stay at the baseline
 #endif
 #pragma GCC diagnostic ignored "-Wunused-function"
 
@@ -52,6 +52,7 @@ MERISTEM_INLINE D trunc(D a) { return _mm256_round_pd(a, _MM_FROUND_TO_ZERO | _M
 MERISTEM_INLINE F sqrt(F a) { return _mm256_sqrt_ps(a); }
 MERISTEM_INLINE D sqrt(D a) { return _mm256_sqrt_pd(a); }
 MERISTEM_INLINE I truncate(F a) { return I(_mm256_cvttps_epi32(a)); }
+MERISTEM_INLINE F fused(F a, F b, F c) { return _mm256_fmadd_ps(a, b, c); }
 MERISTEM_INLINE F to_float(I a) { return _mm256_cvtepi32_ps(__m256i(a)); }
 MERISTEM_INLINE F blend(F a, F b, I mask) { return _mm256_blendv_ps(a, b, __m256(mask)); }
 MERISTEM_INLINE D blend(D a, D b, L mask) { return _mm256_blendv_pd(a, b, __m256d(mask)); }
@@ -79,6 +80,23 @@ MERISTEM_INLINE D blend(D a, D b, L mask) { return _mm_blendv_pd(a, b, __m128d(m
 MERISTEM_INLINE D lower_half(F a) { return _mm_cvtps_pd(a); }
 MERISTEM_INLINE D upper_half(F a) { return _mm_cvtps_pd(_mm_movehl_ps(a, a)); }
 MERISTEM_INLINE F join(D lower, D upper) { return _mm_movelh_ps(_mm_cvtpd_ps(lower), _mm_cvtpd_ps(upper)); }
+#endif
+
+// fused: a * b + c, rounded once. The baseline has no such instruction: there the product is exact in double, and the
+// sum is rounded to odd (Boldo and Melquiond 2008, "Emulation of FMA and correctly rounded sums"), so that rounding it
+// again, to float, is as if it were the first time.
+#if MERISTEM_LANES == 4
+MERISTEM_INLINE D add_to_odd(D a, D b) {
+  const D sum = a + b, back = sum - a;
+  const D error = (a - (sum - back)) + (b - back);
+  const L inexact = L(error != 0.0) & ((L(sum) & 1) - 1);  // and even: an odd one is right already
+  const L away = L((error > 0.0) == (sum > 0.0)) | 1;      // -1 where the true sum is the larger one, else 1
+  return D(L(sum) - (inexact & away));
+}
+MERISTEM_INLINE F fused(F a, F b, F c) {
+  return join(add_to_odd(lower_half(a) * lower_half(b), lower_half(c)),
+              add_to_odd(upper_half(a) * upper_half(b), upper_half(c)));
+}
 #endif
 
 constexpr float largest = 3.40282347e38f;

@@ -47,13 +47,19 @@ MERISTEM_INLINE D sin_series(D r) {
 MERISTEM_INLINE D cos_series(D r) {
   return 1.0 + (r * r) * series(r * r, -0.5, 1.0 / 24, -1.0 / 720, 1.0 / 40320, -1.0 / 3628800, 1.0 / 479001600);
 }
-// sin(a + turn * pi/2)
-MERISTEM_INLINE D sine(D a, std::int64_t turn) {
-  L quarter;
-  const D r = reduce_angle(a, quarter);
-  quarter += turn;
-  const D value = blend(sin_series(r), cos_series(r), quarter << 63);
-  return D(L(value) ^ ((quarter << 62) & (L{} + INT64_MIN)));
+// sin(a + half_turns * pi/2), half_turns being 0 or 1: a = n pi + r with |r| <= pi/2 (1 + 2^-20), n a whole number less
+// half_turns / 2. One series serves both; its first missing term is below 2^-37.
+MERISTEM_INLINE D sine(D a, int half_turns) {
+  a = clamp(a, splat(-0x1p30), splat(0x1p30));
+  L half;
+  const D n = nearest(a * (0.5 / half_pi) + 0.5 * half_turns, half) - 0.5 * half_turns;
+  const D r = ((a - n * 0x1.921fbp+1) - n * 0x1.5110bp-21) - n * 0x1.18469898cc517p-43;
+  const D s = r * r;
+  const D value =
+      r + r * s *
+              (series(s, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800, 1.0 / 6227020800) -
+               (s * s) * (s * s) * (s * s) * (1.0 / 1307674368000));
+  return D(L(value) ^ (half << 63));
 }
 MERISTEM_INLINE D tangent(D a) {
   L quarter;

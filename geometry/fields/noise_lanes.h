@@ -24,22 +24,21 @@ MERISTEM_INLINE Point clamp_point(Point p) {
   return {clamp_coordinate(p.x), clamp_coordinate(p.y), clamp_coordinate(p.z)};
 }
 
-MERISTEM_INLINE F fade(F t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); }
+MERISTEM_INLINE F fade(F t) { return t * t * t * fused(t, fused(t, splat(6.0f), splat(-15.0f)), splat(10.0f)); }
 
-// One axis of the cell around a point: hashed coordinates of its two planes, distances to them and weights.
+// One axis of the cell around a point: hashed coordinates of its two planes, distances to them, weight of the second.
 struct Axis {
   U hash0, hash1;
   F offset0, offset1;
-  F weight0, weight1;
+  F weight;
 
-  MERISTEM_INLINE F mix(F a, F b) const { return a * weight0 + b * weight1; }
+  MERISTEM_INLINE F mix(F a, F b) const { return fused(weight, b - a, a); }
 };
 MERISTEM_INLINE Axis axis_of(F a, std::uint32_t prime) {
   const F cell = floor(a);
   const F t = a - cell;
   const U h = U(truncate(cell)) * prime;
-  const F weight = fade(t);
-  return {h, h + prime, t, t - 1.0f, 1.0f - weight, weight};
+  return {h, h + prime, t, t - 1.0f, fade(t)};
 }
 
 struct Cell {
@@ -51,9 +50,10 @@ MERISTEM_INLINE Cell cell_of(Point p) { return {axis_of(p.x, prime_x), axis_of(p
 // in [-2^31, 2^31); a window's low bits are the next one's high bits, which matters to 1 part in 128.
 MERISTEM_INLINE F corner(U hash, F x, F y, F z) {
   const I h = I(hash * hash);
-  return to_float(h) * x + to_float(h << 7) * y + to_float(h << 14) * z;
+  return fused(to_float(h), x, fused(to_float(h << 7), y, to_float(h << 14) * z));
 }
 
+// In units of 1 / noise_scale.
 MERISTEM_INLINE F noise_at(const Cell& c, std::uint32_t seed) {
   const U x0 = c.x.hash0 ^ seed, x1 = c.x.hash1 ^ seed;
   auto row = [&](U yz, F y, F z) __attribute__((always_inline)) {
@@ -63,10 +63,9 @@ MERISTEM_INLINE F noise_at(const Cell& c, std::uint32_t seed) {
     return c.y.mix(row(c.y.hash0 ^ z_hash, c.y.offset0, z), row(c.y.hash1 ^ z_hash, c.y.offset1, z));
   };
   const F sum = c.z.mix(plane(c.z.hash0, c.z.offset0), plane(c.z.hash1, c.z.offset1));
-  return clamp(sum * noise_scale, splat(-1.0f), splat(1.0f));
+  return clamp(sum, splat(-1 / noise_scale), splat(1 / noise_scale));
 }
-
-MERISTEM_INLINE F signed_noise(Point p) { return noise_at(cell_of(clamp_point(p)), 0); }
+MERISTEM_INLINE F one_noise(const Cell& c) { return noise_at(c, 0); }
 MERISTEM_INLINE Point vector_noise(const Cell& c) {
   return {noise_at(c, 0), noise_at(c, vector_noise_seed_y), noise_at(c, vector_noise_seed_z)};
 }
@@ -74,9 +73,8 @@ MERISTEM_INLINE Point vector_noise(const Cell& c) {
 // The lattice of the next octave: mirrored and turned by an angle that is no rational part of the circle, so that no
 // two octaves share an axis, scaled by the lacunarity and shifted along the diagonal.
 MERISTEM_INLINE Point next_octave(Point p, F lacunarity, float shift) {
-  p = {p.x * lacunarity, p.y * lacunarity, p.z * lacunarity};
-  const F t = (p.y + p.z - p.x) * 0.6666667f + shift;
-  return {t - p.y, t - p.z, t + p.x};
+  const F t = fused(p.y + p.z - p.x, lacunarity * 0.6666667f, splat(shift));
+  return {fused(-lacunarity, p.y, t), fused(-lacunarity, p.z, t), fused(lacunarity, p.x, t)};
 }
 
 // lowbias32 (Wellons 2018, "Prospecting for Hash Functions"): every bit depends on every bit.

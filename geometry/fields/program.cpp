@@ -51,6 +51,7 @@ struct Program::Scratch {
   std::vector<float> uniforms;  // lane_group equal floats: constants, then inputs, then values
   std::vector<Operand> operands;
   std::vector<Call> calls;
+  std::vector<const float*> input_lanes;
   std::vector<std::uint8_t> uniform_input, uniform_value;
 };
 
@@ -131,7 +132,10 @@ void Program::emit_call(const Graph& graph, const Node& n, std::span<const Sourc
   }
   i.first_operand = std::int32_t(operands_.size());
   i.operand_count = std::int32_t(operands.size());
-  operands_.insert(operands_.end(), operands.begin(), operands.end());
+  for (const Source& source : operands) {
+    if (source.kind == Source::Kind::Input) input_operands_.push_back({source.index, std::int32_t(operands_.size())});
+    operands_.push_back(source);
+  }
   i.first_value = std::int32_t(value_registers_.size());
   i.value_count = value_count;
   value_registers_.resize(value_registers_.size() + std::size_t(value_count));
@@ -179,7 +183,12 @@ const float* data_of(const Input& input, int component) {
 // Binds sources to memory for one block: uniform values to lane_group equal floats, the others to registers.
 struct Program::Bindings {
   Bindings(const Program& program, const Block& block, Scratch& scratch)
-      : p(program), s(scratch), uniform_input(s.uniform_input), uniform_value(s.uniform_value) {
+      : p(program),
+        s(scratch),
+        input_lanes(s.input_lanes),
+        uniform_input(s.uniform_input),
+        uniform_value(s.uniform_value) {
+    input_lanes.assign(p.inputs_.size(), nullptr);
     uniform_input.assign(p.inputs_.size(), 0);
     uniform_value.assign(p.value_registers_.size(), 0);
     const std::size_t slots = p.constants_.size() + p.inputs_.size() + p.value_registers_.size();
@@ -212,7 +221,7 @@ struct Program::Bindings {
     if (source.kind == Source::Kind::Constant) return {uniform_slot(i), 0};
     if (source.kind == Source::Kind::Input)
       return uniform_input[i] ? Operand{uniform_slot(p.constants_.size() + i), 0}
-                              : Operand{register_of(p.inputs_[i].register_index), -1};
+                              : Operand{input_lanes[i], -1};  // of the current run, see bind_inputs
     return uniform_value[i] ? Operand{uniform_value_slot(i), 0} : Operand{register_of(p.value_registers_[i]), -1};
   }
 
@@ -237,6 +246,7 @@ struct Program::Bindings {
 
   const Program& p;
   Scratch& s;
+  std::vector<const float*>& input_lanes;  // by input
   std::vector<std::uint8_t>& uniform_input;
   std::vector<std::uint8_t>& uniform_value;
 };
@@ -260,7 +270,7 @@ void Program::run(const KernelTable& kernels, const Block& block, float* x, floa
   const std::array<float*, 3> out{x, y, z};
   for (int start = 0; start < block.count; start += run_lanes) {
     const int count = std::min(run_lanes, block.count - start);
-    load_inputs(bindings, block, start, count);
+    bind_inputs(bindings, block, start, count);
     run_calls(kernels, block, scratch, start, count);
     for (int c = 0; c < result_components_; ++c) {
       const Operand from = bindings.operand(result_[std::size_t(c)]);
@@ -272,16 +282,24 @@ void Program::run(const KernelTable& kernels, const Block& block, float* x, floa
   }
 }
 
-// Copies the run's lanes of the varying inputs to their registers; the last group is filled up with the last lane.
-void Program::load_inputs(Bindings& bindings, const Block& block, int start, int count) const {
+// Points the operands that are varying inputs at the run's lanes. Those of a run that does not end with a group are
+// copied, and the last group filled up with the last lane.
+void Program::bind_inputs(Bindings& bindings, const Block& block, int start, int count) const {
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     if (bindings.uniform_input[i]) continue;
     const Input& in = block.inputs[std::size_t(inputs_[i].slot)];
     const float* from = data_of(in, inputs_[i].component) + start;
-    float* to = bindings.register_of(inputs_[i].register_index);
-    std::memcpy(to, from, std::size_t(count) * sizeof(float));
-    std::fill(to + count, to + padded(count), from[count - 1]);
+    if (count % lane_group != 0) {
+      float* to = bindings.register_of(inputs_[i].register_index);
+      std::memcpy(to, from, std::size_t(count) * sizeof(float));
+      std::fill(to + count, to + padded(count), from[count - 1]);
+      from = to;
+    }
+    bindings.input_lanes[i] = from;
   }
+  for (const InputOperand& o : input_operands_)
+    if (!bindings.uniform_input[std::size_t(o.input)])
+      bindings.s.operands[std::size_t(o.operand)].data = bindings.input_lanes[std::size_t(o.input)];
 }
 
 void Program::run_calls(const KernelTable& kernels, const Block& block, const Scratch& scratch, int start,

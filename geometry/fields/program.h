@@ -42,6 +42,9 @@ class Program {
     std::int32_t first_operand = 0, operand_count = 0;
     std::int32_t first_value = 0, value_count = 0;
   };
+  struct InputOperand {
+    std::int32_t input, operand;
+  };
   using Sources = std::array<Source, 3>;
   struct Scratch;
   struct Bindings;
@@ -53,13 +56,14 @@ class Program {
   Source input(int slot, int component);
   void assign_registers();
 
-  void load_inputs(Bindings& bindings, const Block& block, int start, int count) const;
+  void bind_inputs(Bindings& bindings, const Block& block, int start, int count) const;
   void run_calls(const KernelTable& kernels, const Block& block, const Scratch& scratch, int start, int count) const;
 
   std::vector<float> constants_;
   std::vector<InputUse> inputs_;
   std::vector<Instruction> instructions_;
   std::vector<Source> operands_;
+  std::vector<InputOperand> input_operands_;   // which of them are inputs
   std::vector<std::int32_t> value_registers_;  // by value: its register in runs
   std::vector<CurveTable> curves_;
   Sources result_;

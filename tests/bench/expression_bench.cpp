@@ -117,7 +117,7 @@ void compare(std::vector<Contender> contenders, std::size_t points, int rounds) 
 }
 
 void bark() {
-  Vertices v(16384);
+  Vertices v(4096);  // about as many as a large cell has
   const Symbols symbols = bark_symbols();
   const auto parsed = parse_expression("0.6*scale*N*(abs(sin(8*PI*u)) + 0.3*fbm(6*P))", symbols, ValueType::Vector);
   const Program program(parsed.graph, parsed.result);
@@ -137,7 +137,7 @@ void bark() {
 }
 
 void single_functions() {
-  Vertices v(16384);
+  Vertices v(4096);  // about as many as a large cell has
   const Symbols symbols = bark_symbols();
   const auto& c = v.columns;
   const std::vector<Input> inputs{{c[0].data(), c[1].data(), c[2].data(), 1},
