@@ -28,13 +28,31 @@ class ShapeMaker {
         shape_.corners.insert(shape_.corners.end(), outline.begin(), outline.end());
       if (side > 0) shape_.corners.push_back(last);
       shape_.face_starts.push_back(std::uint32_t(shape_.corners.size()));
+      shape_.area += area_of(shape_.face_count() - 1);
     }
+  }
+
+  // A kite of that area.
+  void add_kite(double area) {
+    for (Vec2d p : {Vec2d{0, 0}, Vec2d{area, 0.5}, Vec2d{0, 1}, Vec2d{-area, 0.5}})
+      shape_.corners.push_back(add_vertex(p, 0));
+    shape_.face_starts.push_back(4);
+    shape_.area += area_of(0);
   }
 
   LeafShape take() { return std::move(shape_); }
 
  private:
   static double length(Vec2d v) { return std::hypot(v.x, v.y); }
+  double area_of(std::uint32_t f) const {
+    double sum = 0;
+    const auto face = shape_.face(f);
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const Vec3d a = shape_.vertices[face[i]], b = shape_.vertices[face[(i + 1) % face.size()]];
+      sum += 0.5 * (a.x * b.y - a.y * b.x);
+    }
+    return sum;
+  }
   std::uint32_t add_vertex(Vec2d p, double height) {
     shape_.vertices.push_back({p.x, p.y, height});
     shape_.uv.push_back({0.5 + p.x, p.y});
@@ -42,7 +60,7 @@ class ShapeMaker {
     return std::uint32_t(shape_.vertices.size()) - 1;
   }
 
-  LeafShape shape_{{}, {}, {0}, {}, 0};
+  LeafShape shape_{{}, {}, {0}, {}, 0, 0};
 };
 
 LeafShape one_blade(const Half& half, double fold) {
@@ -89,6 +107,19 @@ const LeafShape& leaf_shape(int index) {
       one_blade({{0.5, 0.5}}, 0.3),
   };
   return shapes[index];
+}
+
+const LeafShape& simple_leaf_shape(int index) {
+  static const std::vector<LeafShape> shapes = [] {
+    std::vector<LeafShape> kites;
+    for (std::size_t i = 0; i < leaf_shape_names().size(); ++i) {
+      ShapeMaker m;
+      m.add_kite(leaf_shape(int(i)).area);
+      kites.push_back(m.take());
+    }
+    return kites;
+  }();
+  return shapes[std::size_t(index)];
 }
 
 }  // namespace meristem

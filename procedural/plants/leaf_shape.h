@@ -20,6 +20,7 @@ struct LeafShape {
   std::vector<std::uint32_t> face_starts;  // into corners; one more than faces
   std::vector<std::uint32_t> corners;      // counter-clockwise seen from above
   double reach = 0;                        // of a vertex from the foot, for a leaf as wide as long
+  double area = 0;                         // likewise, seen from above
 
   std::uint32_t face_count() const { return std::uint32_t(face_starts.size()) - 1; }
   std::span<const std::uint32_t> face(std::uint32_t f) const {
@@ -29,5 +30,7 @@ struct LeafShape {
 
 const std::vector<std::string>& leaf_shape_names();
 const LeafShape& leaf_shape(int index);
+// One face of about the same area, for leaves that are no larger than a pixel.
+const LeafShape& simple_leaf_shape(int index);
 
 }  // namespace meristem

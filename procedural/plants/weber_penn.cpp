@@ -19,6 +19,9 @@ class WeberPenn : public BaseShape {
  public:
   explicit WeberPenn(Params& params)
       : parameters_(read_weber_penn(params)),
+        footprint_(params.real("footprint", 0, {0, 1000, "m"},
+                               "size of a pixel there, for trees that are always far away: "
+                               "what is smaller is left out, what remains of the leaves grows")),
         leaf_material_(params.text("leaf_material", "", "name of the material of the leaves; else that of the model")) {
     if (!params.describing()) leaf_material_location_ = params.location_of("leaf_material");
     for (int i = 0; i < bud_parameter_count; ++i) trunk_.text += i == 0 ? bud_name(0) + "(0" : ",0";
@@ -30,6 +33,7 @@ class WeberPenn : public BaseShape {
     auto plant = std::make_shared<WeberPennPlant>();
     plant->parameters = parameters_;
     plant->is_smoothed = is_refined;
+    plant->footprint = footprint_;
     plant->seed = context.seed;
     const auto use = [&](const std::string& name, int count) {
       return context.symbols.use(name, count, trunk_.location, context.diagnostics);
@@ -59,6 +63,7 @@ class WeberPenn : public BaseShape {
   const FaceSymbol* symbol_of(int) const override { return &trunk_; }
 
   WeberPennParameters parameters_;
+  double footprint_;
   std::string leaf_material_;
   Location leaf_material_location_;
   FaceSymbol trunk_;

@@ -12,7 +12,8 @@ namespace meristem {
 namespace {
 
 constexpr double bud_radius = 0.004;  // metres; of the triangle, whatever grows on it
-constexpr Key step_tag = hash_text("weber penn");
+constexpr Key step_tag = hash_text("weber penn"), shown = hash_text("shown"),
+              drawn_in_full = hash_text("drawn in full");
 
 enum BudParameter { bud_length, bud_base_radius, bud_children, bud_inset, bud_scale };
 
@@ -50,30 +51,13 @@ std::string WeberPennStep::name() const {
   return level_ < 3 ? names[level_] : fmt::format("twigs {}", level_ - 1);
 }
 
-StemDetail WeberPennStep::detail() const {
-  const auto lobes = std::uint32_t(plant_->parameters.lobes);
-  StemDetail d;
-  d.is_smoothed = plant_->is_smoothed;
-  if (level_ == 0) {
-    d.sides = std::clamp((2 * lobes + 5) / 4 * 4, 16u, 64u);
-    d.most_rings = 8;
-  } else if (level_ == 1) {
-    d.sides = 8;
-    d.most_rings = 4;
-  } else {
-    d.sides = 4;
-    d.most_rings = 1;
-    d.bend = 30;
-  }
-  return d;
-}
-
 std::uint32_t WeberPennStep::max_children(std::uint32_t) const {
   const WeberPennParameters& p = plant_->parameters;
+  const StemDetail detail = plant_detail(p, level_, 1, 1, 0, plant_->is_smoothed).stem;
   const double faces_of_child = is_last() ? leaf_shape(p.leaf_shape).face_count() : 1;
-  return std::uint32_t(std::min(
-      expected_segments(p, level_) * faces_of_segment(detail()) + expected_children(p, level_) * faces_of_child + 2,
-      1e9));
+  const double faces =
+      expected_segments(p, level_) * faces_of_segment(detail) + expected_children(p, level_) * faces_of_child + 2;
+  return std::uint32_t(std::min(faces, 1e9));
 }
 
 // One run of apply().
@@ -153,14 +137,28 @@ class WeberPennStep::Application {
 
   void grow(std::uint32_t f, const FaceOrigin& origin) {
     const Stem stem(plant_.parameters, bud_of(f, origin));
+    const Draws draws(stem.bud().key);
+    const PlantDetail detail = plant_detail(plant_.parameters, step_.level_, stem.bud().radius, stem.segment_length(),
+                                            plant_.footprint, plant_.is_smoothed);
+    const std::uint32_t before = out_.mesh.face_count();
     grown_.begin_bud(in_.mesh.face_keys[f]);
-    mesh_stem(stem, plant_.parameters, step_.detail(), plant_.bark, grown_);
+    if (draws.uniform(shown) < detail.stem_share) mesh_stem(stem, plant_.parameters, detail.stem, plant_.bark, grown_);
     stem.find_children(children_);
     for (const StemChild& child : children_)
-      if (stem.bears_leaves())
-        add_leaf(child);
-      else
+      if (!stem.bears_leaves())
         add_bud(child.bud);
+      else if (Draws(child.bud.key).uniform(shown) < detail.leaf_share)
+        add_leaf(child, detail);
+    if (out_.mesh.face_count() == before) leave_bud(f);
+  }
+
+  // Where nothing of it is drawn, the triangle stays, a speck that nothing grows on.
+  void leave_bud(std::uint32_t f) {
+    keep(f);
+    FaceOrigin speck = in_.mesh.origins[in_.mesh.face_origins[f]];
+    speck.symbol = -1;
+    out_.mesh.face_origins.back() = std::uint32_t(out_.mesh.origins.size());
+    out_.mesh.origins.push_back(speck);
   }
 
   void add_bud(const StemBud& bud) {
@@ -173,12 +171,13 @@ class WeberPennStep::Application {
         {grown_.add_vertex(corners[0], {}), grown_.add_vertex(corners[1], {}), grown_.add_vertex(corners[2], {})});
   }
 
-  void add_leaf(const StemChild& leaf) {
+  void add_leaf(const StemChild& leaf, const PlantDetail& detail) {
     const WeberPennParameters& p = plant_.parameters;
-    const LeafShape& shape = leaf_shape(p.leaf_shape);
+    const bool in_full = Draws(leaf.bud.key).uniform(drawn_in_full) < detail.leaf_faces;
+    const LeafShape& shape = in_full ? leaf_shape(p.leaf_shape) : simple_leaf_shape(p.leaf_shape);
     Affine3d frame = leaf.bud.frame;
     turn_to_light(frame, p.leaf_bend);
-    const double size = leaf.bud.length;
+    const double size = leaf.bud.length * detail.leaf_growth;
     FaceOrigin origin{0, plant_.leaf_material, plant_.leaf_symbol, {float(leaf.place), float(size)}};
     grown_.begin_bud(leaf.bud.key);
     grown_.set_origin(origin);
@@ -225,8 +224,9 @@ Extent WeberPennStep::bound(const Extent& e) const {
     const double section = cage_radius(4) * reach.radius * (1 + (level_ == 0 ? p.lobe_depth : 0));
     const double segment = length / p.at(level_).curve_res;
     // A control point may lie beyond the axis by half the distance of rings, over 6; a tip by a fifth of it
-    const double child =
-        is_last() ? reach.child_length * leaf_shape(p.leaf_shape).reach * std::max(p.leaf_scale_x, 1.0) : bud_radius;
+    const double child = is_last() ? reach.child_length * most_leaf_growth * leaf_shape(p.leaf_shape).reach *
+                                         std::max(p.leaf_scale_x, 1.0)
+                                   : bud_radius;
     const double distance = reach.axis + 0.2 * segment + std::max(2 * section, child);
     const double slack = 2 * quantum_.step() + 1e-9 * (distance + e.box.diagonal());
     after.box.extend(e.box.inflated(Vec3d(distance + slack)));

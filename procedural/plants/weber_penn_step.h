@@ -7,7 +7,7 @@
 #pragma once
 
 #include "geometry/cells/step.h"
-#include "procedural/plants/stem_mesh.h"
+#include "procedural/plants/plant_detail.h"
 
 #include <memory>
 
@@ -20,6 +20,7 @@ struct WeberPennPlant {
   StemFaces bark;
   std::int32_t leaf_symbol = -1, leaf_material = -1;
   bool is_smoothed = false;  // whether subdivision follows
+  double footprint = 0;      // metres; what is smaller need not be drawn
   Key seed = 0;              // enters every random number
 };
 
@@ -35,13 +36,13 @@ class WeberPennStep final : public Step {
   void apply(const CellMesh& in, int rings_after, CellMesh& out) const override;
   Extent bound(const Extent& e) const override;
   bool grows(std::int32_t symbol) const override { return symbol == bud_symbol(level_); }
+  std::string symbol_name(std::int32_t symbol) const override { return grows(symbol) ? "bud of " + name() : ""; }
   void set_quantum(const Quantum& quantum) override { quantum_ = quantum; }
 
  private:
   class Application;
   std::int32_t bud_symbol(int level) const { return plant_->bud_symbols[std::size_t(level)]; }
   bool is_last() const { return level_ + 1 == plant_->parameters.levels; }
-  StemDetail detail() const;
 
   std::shared_ptr<const WeberPennPlant> plant_;
   const int level_;
