@@ -10,7 +10,19 @@ namespace meristem {
 namespace {
 
 // Slots of placement_symbols(), in order.
-enum Slot { slot_p, slot_n, slot_scale, slot_t, slot_b, slot_u, slot_v, slot_level, slot_kind, slot_count };
+enum Slot {
+  slot_p,
+  slot_n,
+  slot_scale,
+  slot_t,
+  slot_b,
+  slot_u,
+  slot_v,
+  slot_level,
+  slot_kind,
+  slot_parameter,  // the first of several
+  slot_count = slot_parameter + max_growth_parameters
+};
 
 // Structure-of-arrays inputs of the placement of some vertices.
 class PlacementInputs {
@@ -49,6 +61,26 @@ class PlacementInputs {
   std::array<Input, slot_count> inputs_;
 };
 
+// Of every vertex the smallest value that the faces around its parent have of a symbol's parameter.
+std::vector<float> least_parameter(const Mesh& before, const RefinePlan& plan, std::size_t index) {
+  const auto of_face = [&](std::uint32_t f) { return before.origins[before.face_origins[f]].parameters[index]; };
+  std::vector<float> least(plan.kept_vertices);
+  const auto set = [&](std::uint32_t v, float value) {
+    if (v < plan.kept_vertices) least[v] = value;
+  };
+  for (const auto& v : plan.face_vertices) set(v.out, of_face(v.face));
+  for (const auto& v : plan.edge_vertices)
+    set(v.out,
+        v.faces[1] == RefinePlan::none ? of_face(v.faces[0]) : std::min(of_face(v.faces[0]), of_face(v.faces[1])));
+  for (const auto& v : plan.vertex_vertices) {
+    float value = of_face(plan.vertex_faces[v.first_face]);
+    for (std::uint32_t k = 1; k < v.face_count; ++k)
+      value = std::min(value, of_face(plan.vertex_faces[v.first_face + k]));
+    set(v.out, value);
+  }
+  return least;
+}
+
 double largest(const Interval& i) { return std::max(std::abs(double(i.lower)), std::abs(double(i.upper))); }
 
 }  // namespace
@@ -65,6 +97,9 @@ const Symbols& placement_symbols() {
     s.add("v", ValueType::Scalar, "texture coordinate along a stem");
     s.add("level", ValueType::Scalar, "level of subdivision, from 1 over the whole model");
     s.add("kind", ValueType::Scalar, "what the vertex comes from: 0 a vertex, 1 an edge, 2 a face");
+    for (int i = 0; i < max_growth_parameters; ++i)
+      s.add(fmt::format("p{}", i), ValueType::Scalar,
+            "parameter of the symbol that growth gave the faces here (the least)");
     return s;
   }();
   return symbols;
@@ -84,10 +119,11 @@ void SubdivideStep::apply(const CellMesh& in, int rings_after, CellMesh& out) co
   out.owned_faces = plan->owned_faces;
   out.rings = plan->rings;
   out.mesh = std::move(refined.mesh);
-  if (settings_.place) place_vertices(*plan, refined, out.mesh);
+  if (settings_.place) place_vertices(in.mesh, *plan, refined, out.mesh);
 }
 
-void SubdivideStep::place_vertices(const RefinePlan& plan, const RefinedMesh& refined, Mesh& mesh) const {
+void SubdivideStep::place_vertices(const Mesh& before, const RefinePlan& plan, const RefinedMesh& refined,
+                                   Mesh& mesh) const {
   const Expression& place = *settings_.place;
   const bool with_tangents = place.uses(slot_t) || place.uses(slot_b);
   const LocalGeometry local = local_geometry(plan, refined, settings_.quantum, with_tangents);
@@ -104,6 +140,12 @@ void SubdivideStep::place_vertices(const RefinePlan& plan, const RefinedMesh& re
   if (place.uses(slot_v)) inputs.scalar(slot_v, [&](std::size_t i) { return mesh.uv[i].y; });
   if (place.uses(slot_kind)) inputs.scalar(slot_kind, [&](std::size_t i) { return double(int(plan.kinds[i])); });
   inputs.uniform(slot_level, float(settings_.level));
+  for (int i = 0; i < max_growth_parameters; ++i) {
+    const Slot slot = Slot(slot_parameter + i);
+    if (!place.uses(slot)) continue;
+    const std::vector<float> least = least_parameter(before, plan, std::size_t(i));
+    inputs.scalar(slot, [&](std::size_t v) { return double(least[v]); });
+  }
 
   std::vector<float> x(count), y(count), z(count);
   place.evaluate({int(count), inputs.inputs(), mesh.vertex_keys.data(), settings_.step_key}, x.data(), y.data(),
@@ -137,6 +179,8 @@ Extent SubdivideStep::bound(const Extent& e) const {
   inputs[slot_v].x = e.v;
   inputs[slot_level] = IntervalValue::scalar(float(settings_.level), float(settings_.level));
   inputs[slot_kind] = IntervalValue::scalar(0, 2);
+  for (int i = 0; i < max_growth_parameters; ++i)
+    inputs[std::size_t(slot_parameter + i)] = IntervalValue::scalar(-INFINITY, INFINITY);
   const IntervalValue offset = settings_.place->evaluate_bounds(inputs);
 
   const Vec3d reach{largest(offset.x), largest(offset.y), largest(offset.z)};

@@ -10,7 +10,8 @@
 
 namespace meristem {
 
-// What a placement expression may read: P, N, scale, T, B, u, v, level, kind; rand() is keyed by the vertex.
+// What a placement expression may read: P, N, scale, T, B, u, v, level, kind, and the parameters p0 ... p7 of the
+// symbol of the faces around, of whose range nothing is known beforehand; rand() is keyed by the vertex.
 const Symbols& placement_symbols();
 
 class SubdivideStep final : public Step {
@@ -36,7 +37,7 @@ class SubdivideStep final : public Step {
   void set_quantum(const Quantum& quantum) override { settings_.quantum = quantum; }
 
  private:
-  void place_vertices(const RefinePlan& plan, const RefinedMesh& refined, Mesh& mesh) const;
+  void place_vertices(const Mesh& before, const RefinePlan& plan, const RefinedMesh& refined, Mesh& mesh) const;
 
   Settings settings_;
 };

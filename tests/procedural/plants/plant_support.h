@@ -27,9 +27,9 @@ inline std::unique_ptr<BaseShape> tree_base(const Value& value, Diagnostics& dia
   return bases.create(value, "", diagnostics);
 }
 
-// A model of one tree; `subdivisions` smooth steps follow.
+// A model of one tree; so many subdivisions follow, with a placement or smooth.
 inline std::shared_ptr<const Model> tree_model(const std::string& members, Key seed = 0, int subdivisions = 0,
-                                               CellSettings cells = {}) {
+                                               CellSettings cells = {}, const char* place = nullptr) {
   const Value value = JsonText("{ \"type\": \"weber_penn\", " + members + "}").read();
   Diagnostics diagnostics;
   GrowthSymbols symbols;
@@ -38,8 +38,9 @@ inline std::shared_ptr<const Model> tree_model(const std::string& members, Key s
   BaseContext context{symbols, diagnostics, seed};
   Mesh mesh = shape->build(context);
   auto steps = shape->growth(context, subdivisions > 0);
+  const auto placement = place ? Expression::compile(place, placement_symbols(), ValueType::Vector) : nullptr;
   for (int i = 0; i < subdivisions; ++i)
-    steps.push_back(std::make_unique<SubdivideStep>(SubdivideStep::Settings{{}, nullptr, i + 1, Key(i), Quantum()}));
+    steps.push_back(std::make_unique<SubdivideStep>(SubdivideStep::Settings{{}, placement, i + 1, Key(i), Quantum()}));
   return std::make_shared<const Model>("tree", std::move(mesh), std::move(steps), cells);
 }
 

@@ -123,17 +123,33 @@ Walk walk_whole(const Model& model) {
 TEST(WeberPennStep, GrowsTheSameBitsInWhateverCellsAndInsideItsBounds) {
   int cells = 0;
   for (const std::string& tree : small_trees)
-    for (const int subdivisions : {0, 1})
-      for (Key seed = 0; seed < 1; ++seed) {
-        const Walk whole = walk_whole(*tree_model(tree, seed, subdivisions, {1u << 20, 1u << 20}));
-        const Walk cut = walk_whole(*tree_model(tree, seed, subdivisions, {16, 16}));
-        EXPECT_EQ(whole.outside, 0) << tree;
-        EXPECT_EQ(cut.outside, 0) << tree;
-        EXPECT_TRUE(whole.surface == cut.surface) << tree << subdivisions;
-        EXPECT_GE(cut.cells, whole.cells);
-        cells += cut.cells;
-      }
+    for (const int subdivisions : {0, 1}) {
+      const char* bark = "N*.2*clamp(p1, 0, scale)*snoise(P/(p1 + .01))";
+      const Walk whole = walk_whole(*tree_model(tree, 1, subdivisions, {1u << 20, 1u << 20}, bark));
+      const Walk cut = walk_whole(*tree_model(tree, 1, subdivisions, {16, 16}, bark));
+      EXPECT_EQ(whole.outside, 0) << tree;
+      EXPECT_EQ(cut.outside, 0) << tree;
+      EXPECT_TRUE(whole.surface == cut.surface) << tree << subdivisions;
+      EXPECT_GE(cut.cells, whole.cells);
+      cells += cut.cells;
+    }
   EXPECT_GT(cells, 500);
+}
+
+TEST(WeberPennStep, PlacementReadsTheRadiusOfTheStem) {
+  const std::string pole =
+      R"("levels": 1, "leaves": 0, "scale_v": 0, "curve_v": [0], "bend_v": [0], "curve_res": [10])";
+  const auto smooth = tree_model(pole, 0, 1), moved = tree_model(pole, 0, 1, {}, "[0, 0, clamp(p1, 0, 1)]");
+  const Mesh before = grown(*smooth, 2), after = grown(*moved, 2);
+  ASSERT_EQ(before.vertex_count(), after.vertex_count());
+  for (std::uint32_t v = 0; v < before.vertex_count(); ++v) {
+    const Vec3d offset = after.positions[v] - before.positions[v];
+    const double z = std::clamp(before.positions[v].y / 13, 0.0, 1.0);
+    // The cone's radius, here or at the next ring above
+    EXPECT_LE(offset.z, 0.195 * (1 - z) + 1e-3);
+    EXPECT_GE(offset.z, 0.195 * (1 - z) - 0.05);
+    EXPECT_NEAR(length(offset), offset.z, 1e-6);
+  }
 }
 
 TEST(WeberPennStep, BoundsOfAStepContainWhatItMakes) {
