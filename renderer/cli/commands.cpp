@@ -43,7 +43,9 @@ int compare_command(const CompareOptions& options) {
 }
 
 int check_command(const std::string& path, const SceneLoader& load) {
-  const LoadedScene loaded = load(path, {});
+  LoadOptions options;
+  options.check_only = true;
+  const LoadedScene loaded = load(path, options);
   print_diagnostics(loaded.warnings);
   print_result(scene_summary(path, loaded));
   return int(ExitCode::Done);

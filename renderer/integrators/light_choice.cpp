@@ -1,29 +1,60 @@
 #include "renderer/integrators/light_choice.h"
 
+#include "renderer/scene/warps.h"
+
 namespace meristem {
+namespace {
 
-LightChoice::LightChoice(const Scene& scene) : scene_(scene), bounds_(scene.intersector->bounds()) {
-  for (std::size_t i = 0; i < scene_.lights.size(); ++i) total_ += power(i);
+std::vector<LightBounds> bounds_of(const std::vector<std::unique_ptr<Light>>& lights) {
+  std::vector<LightBounds> bounds;
+  for (const auto& light : lights) bounds.push_back(light->bounds().value_or(LightBounds{}));
+  return bounds;
 }
 
-float LightChoice::power(std::size_t i) const {
-  const float p = scene_.lights[i]->power(bounds_);
-  return std::isfinite(p) && p > 0 ? p : 0;
-}
+}  // namespace
 
-float LightChoice::probability(std::size_t i) const {
-  const float even = 1 / float(scene_.lights.size());
-  return total_ > 0 && std::isfinite(total_) ? 0.5f * (even + power(i) / total_) : even;
-}
-
-std::size_t LightChoice::pick(float random) const {
-  const std::size_t last = scene_.lights.size() - 1;
-  for (std::size_t i = 0; i < last; ++i) {
-    const float p = probability(i);
-    if (random < p) return i;
-    random -= p;
+LightChoice::LightChoice(const std::vector<std::unique_ptr<Light>>& lights)
+    : shares_(lights.size(), -1.f), tree_(bounds_of(lights)) {
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    if (lights[i]->bounds()) continue;
+    environments_.push_back(i);
+    const float power = lights[i]->environment_power();
+    shares_[i] = std::isfinite(power) && power > 0 ? power : 0;
+    environment_power_ += shares_[i];
   }
-  return last;
+  const float even = 1 / float(environments_.size());
+  for (const std::size_t i : environments_)
+    shares_[i] = environment_power_ > 0 ? 0.5f * (even + shares_[i] / environment_power_) : even;
+}
+
+// Irradiances: an environment of even radiance L gives a surface pi L, and its power is 4 pi L. A lamp at a distance
+// gives its importance over pi if it is flat, over 4 pi if it is round; 2 pi lies between.
+float LightChoice::environment_share(const Receiver& receiver) const {
+  const float near = tree_.importance(receiver) / (2 * pi_f), far = environment_power_ / 4;
+  if (environments_.empty()) return 0;
+  if (!(near > 0)) return 1;
+  return 0.5f * (0.5f + (std::isfinite(near) ? far / (near + far) : 0));
+}
+
+LightChoice::Pick LightChoice::pick(const Receiver& receiver, float random) const {
+  const float far = environment_share(receiver);
+  if (random >= far) {
+    Pick near = tree_.pick(receiver, std::min((random - far) / (1 - far), 0x1.fffffep-1f));
+    near.probability *= 1 - far;
+    return near;
+  }
+  random /= far;
+  for (std::size_t k = 0; k + 1 < environments_.size(); ++k) {
+    const float share = shares_[environments_[k]];
+    if (random < share) return {int(environments_[k]), share * far};
+    random -= share;
+  }
+  return {int(environments_.back()), shares_[environments_.back()] * far};
+}
+
+float LightChoice::probability(const Receiver& receiver, std::size_t i) const {
+  const float far = environment_share(receiver);
+  return shares_[i] >= 0 ? shares_[i] * far : tree_.probability(receiver, i) * (1 - far);
 }
 
 }  // namespace meristem

@@ -1,27 +1,39 @@
-// LightChoice: which light a point asks, by power: half of the choices go by the lights' power over the scene, half to
-// all alike, so that a weak lamp nearby is not forgotten beside the sky. Made once a camera path; costs a few
-// nanoseconds a light. Refers to the scene, which must outlive it.
+// LightChoice: which light a point asks. Environments are chosen by the light they send, lights that stand somewhere by
+// the LightTree. Between these two kinds, half of the choices go by what each may give to the point, half to both
+// alike; among environments likewise: so that none is forgotten whose estimate is poor. Made once a render; then any
+// thread. Refers to the lights, which must outlive it.
 #pragma once
 
-#include "renderer/scene/scene.h"
+#include "renderer/integrators/light_tree.h"
+#include "renderer/scene/interfaces.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
 
 namespace meristem {
 
 class LightChoice {
  public:
-  explicit LightChoice(const Scene& scene);
+  explicit LightChoice(const std::vector<std::unique_ptr<Light>>& lights);
 
-  // The probability with which pick() returns light i.
-  float probability(std::size_t i) const;
-  // The light for a uniform number; the scene must have one.
-  std::size_t pick(float random) const;
+  using Pick = LightTree::Pick;
+  // One of the lights, by a uniform number; none if no light can reach the receiver.
+  Pick pick(const Receiver& receiver, float random) const;
+  // The probability with which pick() returns light i for this receiver.
+  float probability(const Receiver& receiver, std::size_t i) const;
+
+  // The lights without bounds, by number.
+  const std::vector<std::size_t>& environments() const { return environments_; }
+  const LightTree& tree() const { return tree_; }
 
  private:
-  float power(std::size_t i) const;
+  float environment_share(const Receiver& receiver) const;
 
-  const Scene& scene_;
-  Bounds3f bounds_;
-  float total_ = 0;
+  std::vector<std::size_t> environments_;
+  std::vector<float> shares_;  // by light: the probability among the environments; negative: not one of them
+  float environment_power_ = 0;
+  LightTree tree_;
 };
 
 }  // namespace meristem

@@ -1,6 +1,6 @@
 // path: light as it is: unidirectional path tracing with light sampling at every bounce.
 //
-// At each surface one light is asked (chosen by power) and one direction of the material followed; the two are combined
+// At each surface one light is asked (light_choice.h) and one direction of the material followed; the two are combined
 // by multiple importance sampling with the power heuristic (Veach 1997, section 9.2). The scene's `max_depth` is the
 // number of bounces: 0 shows only what glows, 1 direct light, 2 one indirect bounce. After `roulette_depth` bounces
 // weak paths end by Russian roulette, which changes noise, not brightness.
@@ -10,6 +10,10 @@
 #include "renderer/integrators/light_choice.h"
 #include "renderer/materials/bsdf.h"
 #include "renderer/scene/ray_origin.h"
+#include "renderer/scene/scene.h"
+
+#include <algorithm>
+#include <optional>
 
 namespace meristem {
 namespace {
@@ -23,25 +27,33 @@ class Path : public Integrator {
     roulette_depth_ = params.integer("roulette_depth", 4, {0, 1e6, ""}, "bounces before weak paths may end early");
   }
 
+  void prepare(const Scene& scene) override {
+    choice_.emplace(scene.lights);
+    transparency_ = std::ranges::any_of(scene.materials, [](const auto& m) { return m->may_be_transparent(); });
+  }
   Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts) const override;
+
+  const LightChoice& choice() const { return *choice_; }
+  bool transparency() const { return transparency_; }  // of some material
+  int roulette_depth() const { return roulette_depth_; }
 
  private:
   int roulette_depth_;
+  std::optional<LightChoice> choice_;
+  bool transparency_ = false;
 };
 
 // One camera path while it is followed.
 class Walk {
  public:
-  Walk(const Scene& scene, Sampler& sampler, RayCounts& counts, const Ray& ray, int roulette_depth)
-      : scene_(scene),
+  Walk(const Path& path, const Scene& scene, Sampler& sampler, RayCounts& counts, const Ray& ray)
+      : path_(path),
+        choice_(path.choice()),
+        scene_(scene),
         sampler_(sampler),
         counts_(counts),
-        choice_(scene),
         ray_(ray),
-        last_vertex_(ray.origin),
-        roulette_depth_(roulette_depth) {
-    for (const auto& material : scene.materials) transparency_ = transparency_ || material->may_be_transparent();
-  }
+        last_vertex_{ray.origin, {}} {}
 
   Spectrum follow() {
     ++counts_.camera;
@@ -81,11 +93,11 @@ class Walk {
   // The weight of light that a ray met by chance and that add_direct_light() might have found as well.
   float weight_met(std::size_t light, float light_pdf) const {
     if (last_pdf_ == 0) return 1;  // a camera ray
-    return power_heuristic(last_pdf_, choice_.probability(light) * light_pdf);
+    return power_heuristic(last_pdf_, choice_.probability(last_vertex_, light) * light_pdf);
   }
 
   void add_environments() {
-    for (std::size_t i = 0; i < scene_.lights.size(); ++i) {
+    for (const std::size_t i : choice_.environments()) {
       const Spectrum radiance = scene_.lights[i]->escaped(ray_.direction);
       if (radiance == Spectrum{}) continue;
       sum_ += throughput_ * radiance * weight_met(i, scene_.lights[i]->pdf_escaped(ray_.direction));
@@ -93,23 +105,24 @@ class Walk {
   }
 
   void add_crossed_lights(float end) {
-    for (std::size_t i = 0; i < scene_.lights.size(); ++i) {
+    choice_.tree().visit_crossed(ray_, end, [&](std::size_t i) {
       const float t = scene_.lights[i]->intersect(ray_);
-      if (!(t < end)) continue;
+      if (!(t < end)) return;
       Ray whole = ray_;  // from the last vertex: surfaces passed in between do not matter to the pdf
-      whole.origin = last_vertex_;
+      whole.origin = last_vertex_.position;
       sum_ += throughput_ * scene_.lights[i]->emitted(ray_, t) *
               weight_met(i, scene_.lights[i]->pdf_hit(whole, travelled_ + t));
-    }
+    });
   }
 
   void add_direct_light(const ShadingPoint& point, const Bsdf& bsdf) {
     if (scene_.lights.empty()) return;
-    const float pick = sampler_.next_1d();
+    const float random_pick = sampler_.next_1d();
     const Vec2f random = sampler_.next_2d();
-    const std::size_t i = choice_.pick(pick);
-    const LightSample light = scene_.lights[i]->sample(point.hit.position, random);
-    const float pdf = light.pdf * choice_.probability(i);
+    const LightChoice::Pick pick = choice_.pick(receiver(point, bsdf), random_pick);
+    if (pick.light < 0) return;
+    const LightSample light = scene_.lights[std::size_t(pick.light)]->sample(point.hit.position, random);
+    const float pdf = light.pdf * pick.probability;
     if (!(pdf > 0)) return;
     const Spectrum f = bsdf.evaluate(point.wo, light.direction);
     if (f == Spectrum{} || light.radiance == Spectrum{}) return;
@@ -117,12 +130,19 @@ class Walk {
     sum_ += throughput_ * f * light.radiance * (weight / pdf * visibility(point.hit, light));
   }
 
+  // Light from behind matters only to a surface that lets it through.
+  static Receiver receiver(const ShadingPoint& point, const Bsdf& bsdf) {
+    if (bsdf.transmits()) return {point.hit.position, {}};
+    const Vec3f normal = point.hit.geometric_normal;
+    return {point.hit.position, dot(normal, point.wo) < 0 ? -normal : normal};
+  }
+
   // The part of the light that arrives at a surface.
   float visibility(const SurfaceHit& hit, const LightSample& light) {
     ++counts_.shadow;
     Ray ray = ray_from(hit, light.direction, ray_.time);
     ray.t_max = light.distance;
-    if (!transparency_) return scene_.intersector->occluded(ray) ? 0 : 1;
+    if (!path_.transparency()) return scene_.intersector->occluded(ray) ? 0 : 1;
     float visible = 1;
     for (int i = 0; i < max_passes; ++i) {
       SurfaceHit veil;
@@ -144,37 +164,36 @@ class Walk {
     const BsdfSample s = bsdf.sample(point.wo, random, choice);
     if (!(s.pdf > 0) || s.weight == Spectrum{}) return false;
     throughput_ *= s.weight;
-    if (++depth_ >= roulette_depth_) {
+    if (++depth_ >= path_.roulette_depth()) {
       const float survival = std::min(0.95f, max_component(throughput_));
       if (sampler_.next_1d() >= survival) return false;
       throughput_ /= survival;
     }
     ++counts_.bounce;
     last_pdf_ = s.pdf;
-    last_vertex_ = point.hit.position;
+    last_vertex_ = receiver(point, bsdf);
     travelled_ = 0;
     ray_ = ray_from(point.hit, s.wi, ray_.time);
     return true;
   }
 
+  const Path& path_;
+  const LightChoice& choice_;
   const Scene& scene_;
   Sampler& sampler_;
   RayCounts& counts_;
-  const LightChoice choice_;
-  bool transparency_ = false;  // some material may be
   Ray ray_;
-  Vec3f last_vertex_;    // where the ray was scattered, and how:
-  float last_pdf_ = 0;   // 0: it comes from the camera
-  float travelled_ = 0;  // from there to the ray's origin, through transparent surfaces
+  Receiver last_vertex_;  // where the ray was scattered, and how:
+  float last_pdf_ = 0;    // 0: it comes from the camera
+  float travelled_ = 0;   // from there to the ray's origin, through transparent surfaces
   Spectrum throughput_{1, 1, 1};
   Spectrum sum_;
   int depth_ = 0;
   int passes_ = 0;
-  const int roulette_depth_;
 };
 
 Spectrum Path::radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts) const {
-  const Spectrum result = Walk(scene, sampler, counts, ray, roulette_depth_).follow();
+  const Spectrum result = Walk(*this, scene, sampler, counts, ray).follow();
   scene.intersector->quiescent();
   return result;
 }

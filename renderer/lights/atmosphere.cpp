@@ -1,5 +1,7 @@
 #include "renderer/lights/atmosphere.h"
 
+#include "geometry/base/parallel.h"
+
 namespace meristem {
 namespace {
 
@@ -111,14 +113,14 @@ Vec3d Atmosphere::sunlight(double radius, double cosine) const {
 }
 
 void Atmosphere::fill_multiple_scattering() {
-  multiple_scattering_ = {24, 12, {}};
-  for (int y = 0; y < multiple_scattering_.height; ++y)
-    for (int x = 0; x < multiple_scattering_.width; ++x) {
-      const double height = (top - ground) * std::pow(double(y) / (multiple_scattering_.height - 1), 2.0);
-      const double sun_cosine = -1 + 2.0 * x / (multiple_scattering_.width - 1);
-      const double radius = ground + std::clamp(height, 1e-3, top - ground - 1e-3);
-      multiple_scattering_.values.push_back(gathered(radius, sun_cosine));
-    }
+  constexpr int width = 24, height = 12;
+  multiple_scattering_ = {width, height, std::vector<Vec3d>(width * height)};
+  parallel_for(width * height, [&](std::size_t i) {
+    const double h = (top - ground) * std::pow(double(i / width) / (height - 1), 2.0);
+    const double sun_cosine = -1 + 2.0 * double(i % width) / (width - 1);
+    const double radius = ground + std::clamp(h, 1e-3, top - ground - 1e-3);
+    multiple_scattering_.values[i] = gathered(radius, sun_cosine);
+  });
 }
 
 Vec3d Atmosphere::multiple_scattering(double radius, double sun_cosine) const {

@@ -23,10 +23,7 @@ class Constant : public Light {
   }
   Spectrum escaped(Vec3f) const override { return radiance_; }
   float pdf_escaped(Vec3f) const override { return uniform_cone_pdf(2); }
-  float power(const Bounds3f& b) const override {
-    const float radius = b.diagonal() / 2;
-    return luminance(radiance_) * 4 * pi_f * pi_f * radius * radius;
-  }
+  float environment_power() const override { return luminance(radiance_) * 4 * pi_f; }
 
  private:
   Spectrum radiance_;

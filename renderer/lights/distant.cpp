@@ -44,10 +44,7 @@ class Distant : public Light {
   }
   Spectrum escaped(Vec3f d) const override { return inside(d) ? radiance_ : Spectrum{}; }
   float pdf_escaped(Vec3f d) const override { return inside(d) ? uniform_cone_pdf(width_) : 0; }
-  float power(const Bounds3f& b) const override {
-    const float radius = b.diagonal() / 2;
-    return luminance(irradiance_) * pi_f * radius * radius;
-  }
+  float environment_power() const override { return luminance(irradiance_); }
 
  private:
   bool inside(Vec3f d) const { return width_ > 0 && one_minus_cosine(d, frame_.n) <= width_; }

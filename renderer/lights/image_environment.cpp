@@ -54,10 +54,7 @@ class ImageEnvironment : public Light {
     return sine > 0 ? distribution_.pdf(to_image(d)) / (2 * pi_f * pi_f * sine) : 0;
   }
 
-  float power(const Bounds3f& b) const override {
-    const float radius = b.diagonal() / 2;
-    return flux_ * pi_f * radius * radius;
-  }
+  float environment_power() const override { return flux_; }
 
  private:
   void load(Params& params, const std::string& file, Spectrum scale) {

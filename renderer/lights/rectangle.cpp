@@ -113,8 +113,17 @@ class Rectangle : public Light {
     return pdf(SphericalRectangle(corner, width_, height_), double(t) * double(length(ray.direction)));
   }
 
-  float power(const Bounds3f&) const override {
-    return luminance(radiance_) * float(pi * width_ * height_) * (two_sided_ ? 2 : 1);
+  std::optional<LightBounds> bounds() const override {
+    Bounds3d box;
+    for (const double x : {-0.5, 0.5})
+      for (const double y : {-0.5, 0.5}) box.extend(center_ + right_ * (x * width_) + up_ * (y * height_));
+    LightBounds b;
+    b.box = round_outwards(box);
+    b.power = luminance(radiance_) * float(pi * width_ * height_) * (two_sided_ ? 2 : 1);
+    b.axis = Vec3f(normal_);
+    b.cos_normals = 1;
+    b.two_sided = two_sided_;
+    return b;
   }
 
  private:

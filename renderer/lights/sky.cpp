@@ -8,10 +8,11 @@
 // Scaled so that exposure 0 suits a sunny scene: the sun above the atmosphere has irradiance 4, so white paper that
 // faces a high sun has radiance about 1, and blue sky about 0.2.
 //
-// The air is integrated at load into a table over half the upper hemisphere, the other half being its mirror image.
-// Its rows stand at the squares of even steps in elevation, to keep the bright band at the horizon fine. sample() picks
-// sun, sky or ground by the light they give, and inside: the sun's cone uniformly, the sky by the table, the ground
-// uniformly.
+// The air is integrated before rendering into a table over half the upper hemisphere, the other half being its mirror
+// image. Its rows stand at the squares of even steps in elevation, to keep the bright band at the horizon fine.
+// sample() picks sun, sky or ground by the light they give, and inside: the sun's cone uniformly, the sky by the table,
+// the ground uniformly.
+#include "geometry/base/parallel.h"
 #include "renderer/lights/atmosphere.h"
 #include "renderer/lights/distribution_2d.h"
 #include "renderer/scene/interfaces.h"
@@ -29,23 +30,24 @@ class Sky : public Light {
   explicit Sky(Params& params) {
     const double elevation = params.real("elevation", 40, {-12, 90, "deg"}, "height of the sun above the horizon");
     const double azimuth = params.real("azimuth", 60, {-360, 360, "deg"}, "direction of the sun: 0 is +z, 90 is +x");
-    const double turbidity = params.real("turbidity", 2, {1, 10, ""}, "haze: 1 is pure air");
+    turbidity_ = params.real("turbidity", 2, {1, 10, ""}, "haze: 1 is pure air");
     intensity_ = params.real("intensity", 1, not_negative, "scales sun, sky and ground");
-    const double sun_intensity = params.real("sun_intensity", 1, not_negative, "scales the sun alone");
+    sun_intensity_ = params.real("sun_intensity", 1, not_negative, "scales the sun alone");
     const double sun_size = params.real("sun_size", 0.533, {0.01, 60, "deg"}, "angular diameter of the sun");
-    const Vec3d albedo = params.color("ground_albedo", {0.25, 0.24, 0.22}, "colour of the ground below the horizon");
-    if (params.describing()) return;  // the tables are of no use there
-
+    ground_albedo_ =
+        min(params.color("ground_albedo", {0.25, 0.24, 0.22}, "colour of the ground below the horizon"), Vec3d(1.0));
     const double e = elevation * pi / 180, a = azimuth * pi / 180, radius = sun_size * pi / 360;
     to_sun_ = Vec3d{std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)};
     sun_azimuth_ = float(std::atan2(to_sun_.x, to_sun_.z));
     sun_frame_ = Frame(Vec3f(to_sun_));
     sun_width_ = float(2 * std::pow(std::sin(radius / 2), 2.0));
-    const Vec3d ground_albedo = min(albedo, Vec3d(1.0));
-    const Atmosphere atmosphere(turbidity, ground_albedo);
+  }
+
+  void prepare() override {
+    const Atmosphere atmosphere(turbidity_, ground_albedo_);
     tabulate_sky(atmosphere);
-    tabulate_sun(atmosphere, sun_intensity);
-    finish(ground_albedo);
+    tabulate_sun(atmosphere);
+    finish();
   }
 
   LightSample sample(Vec3f, Vec2f random) const override {
@@ -71,10 +73,7 @@ class Sky : public Light {
     return stretch > 0 ? pdf + sky_share_ * distribution_.pdf(p) / stretch : pdf;
   }
 
-  float power(const Bounds3f& b) const override {
-    const float radius = b.diagonal() / 2;
-    return flux_ * pi_f * radius * radius;
-  }
+  float environment_power() const override { return flux_; }
 
  private:
   static constexpr int columns = 256, rows = 64;  // columns around the whole horizon
@@ -96,17 +95,18 @@ class Sky : public Light {
   // Values stand at column centres and at row edges, so that the horizon and the zenith have their own.
   void tabulate_sky(const Atmosphere& atmosphere) {
     table_.resize(std::size_t(columns) * (rows + 1));
-    for (int y = 0; y <= rows; ++y)
-      for (int x = 0; x < columns / 2; ++x) {
-        const Vec3d d = from_table((x + 0.5) / columns, double(y) / rows);
+    parallel_for(rows + 1, [&](std::size_t y) {
+      for (std::size_t x = 0; x < columns / 2; ++x) {
+        const Vec3d d = from_table((double(x) + 0.5) / columns, double(y) / rows);
         const Spectrum value(atmosphere.sky_radiance(d, to_sun_) * (solar_irradiance * intensity_));
-        table_[std::size_t(y * columns + x)] = table_[std::size_t(y * columns + columns - 1 - x)] = value;
+        table_[y * columns + x] = table_[y * columns + columns - 1 - x] = value;
       }
+    });
   }
 
   // The sun's light without limb darkening along the vertical line through its disk: air reddens its lower limb.
-  void tabulate_sun(const Atmosphere& atmosphere, double sun_intensity) {
-    const double scale = solar_irradiance * intensity_ * sun_intensity / (2 * pi * double(sun_width_));
+  void tabulate_sun(const Atmosphere& atmosphere) {
+    const double scale = solar_irradiance * intensity_ * sun_intensity_ / (2 * pi * double(sun_width_));
     const double elevation = std::asin(to_sun_.y), radius = std::acos(1 - double(sun_width_));
     sun_bottom_ = elevation - radius;
     sun_top_ = elevation + radius;
@@ -117,7 +117,7 @@ class Sky : public Light {
   }
 
   // The ground's radiance and what sample() needs, from the integrals of the tables.
-  void finish(Vec3d ground_albedo) {
+  void finish() {
     std::vector<float> weights;
     Spectrum sky_flux, irradiance;
     for (int y = 0; y < rows; ++y)
@@ -132,7 +132,7 @@ class Sky : public Light {
     distribution_ = Distribution2D(std::move(weights), columns, rows);
     const Spectrum sun_flux = sun_mean() * (2 * pi_f * sun_width_);
     irradiance += sun_flux * std::max(0.f, float(to_sun_.y));
-    ground_ = Spectrum(ground_albedo) * irradiance / pi_f;
+    ground_ = Spectrum(ground_albedo_) * irradiance / pi_f;
 
     const float sun = luminance(sun_flux), sky = luminance(sky_flux), ground = luminance(ground_) * 2 * pi_f;
     flux_ = sun + sky + ground;
@@ -192,7 +192,8 @@ class Sky : public Light {
 
   static constexpr int sun_rows = 16;
 
-  double intensity_ = 1;
+  double turbidity_ = 2, intensity_ = 1, sun_intensity_ = 1;
+  Vec3d ground_albedo_;
   Vec3d to_sun_;
   float sun_azimuth_ = 0;  // radians from +z towards +x
   Frame sun_frame_;

@@ -57,8 +57,11 @@ class Sphere : public Light {
     return width > 0 ? uniform_cone_pdf(width) : 0;
   }
 
-  float power(const Bounds3f&) const override {
-    return luminance(radiance_) * float(4 * pi * pi * radius_ * radius_) * (two_sided_ ? 2 : 1);
+  std::optional<LightBounds> bounds() const override {
+    LightBounds b;
+    b.box = round_outwards(Bounds3d{center_, center_}.inflated(Vec3d(radius_)));
+    b.power = luminance(radiance_) * float(4 * pi * pi * radius_ * radius_) * (two_sided_ ? 2 : 1);
+    return b;
   }
 
  private:

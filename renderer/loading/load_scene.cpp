@@ -48,7 +48,7 @@ class SceneBuilder {
     const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
     scene_->intersector =
         make_world(std::move(world), {options_.expand, scene_->settings.budget_bytes, threads, options_.record});
-    for (auto& light : scene_->lights) light->prepare(scene_->intersector->bounds());
+    if (!options_.check_only) scene_->prepare();
     return {std::move(scene_), sha256(file.location.source ? file.location.source->text : ""), diagnostics_.list()};
   }
 

@@ -1,6 +1,7 @@
 #include "renderer/materials/bsdf.h"
 
 #include "renderer/materials/ggx.h"
+#include "renderer/materials/ggx_albedo.h"
 
 namespace meristem {
 namespace {

@@ -40,6 +40,8 @@ struct Bsdf {
   // Sets the normals for light that leaves towards point.wo, and forgets nothing else.
   void set_frame(const ShadingPoint& point);
 
+  // Whether light comes through from the other side.
+  bool transmits() const { return transmitted != Spectrum{}; }
   // The scattered part times |cos| of wi. Zero if wo is not on the side of set_frame().
   Spectrum evaluate(Vec3f wo, Vec3f wi) const;
   // The density of sample() by solid angle.

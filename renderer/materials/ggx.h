@@ -3,8 +3,7 @@
 //
 // Distribution and masking: Walter et al. 2007, "Microfacet Models for Refraction"; height-correlated Smith term and
 // reflected density: Heitz 2014, "Understanding the Masking-Shadowing Function", sections 5 and 6.
-// alpha is the squared roughness. Pure functions; any thread. The albedo tables are computed at their first use
-// (some 40 ms) and then only read.
+// alpha is the squared roughness. Pure functions; any thread.
 #pragma once
 
 #include "geometry/base/vec.h"
@@ -34,14 +33,7 @@ float fresnel_dielectric(float cosine, float eta);
 // eta from the reflectance at normal incidence in [0, 1), and back.
 float eta_of(float f0);
 float f0_of(float eta);
-
-// The largest f0 that dielectric albedos are tabulated for: eta = 4.
+// The largest f0 of a material: eta = 4.
 constexpr float max_f0 = 0.36f;
-// The part of the light that single scattering reflects from direction cosine `c`, and its cosine-weighted mean.
-float dielectric_albedo(float c, float alpha, float f0);
-float dielectric_mean_albedo(float alpha, float f0);
-// The same with a Fresnel term of 1: what is missing from 1 is lost to scattering between microfacets.
-float white_albedo(float c, float alpha);
-float white_mean_albedo(float alpha);
 
 }  // namespace meristem::ggx

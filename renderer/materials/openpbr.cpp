@@ -10,6 +10,7 @@
 // subsurface_scatter_anisotropy from -1 (reflects all) over 0 (half and half) to 1 (transmits all).
 #include "renderer/materials/bsdf.h"
 #include "renderer/materials/ggx.h"
+#include "renderer/materials/ggx_albedo.h"
 #include "renderer/materials/material_symbols.h"
 
 namespace meristem {
@@ -35,6 +36,8 @@ class OpenPbr : public Material {
         emission_color_(p, "emission_color", "1", any, "colour of its own light"),
         opacity_(p, "geometry_opacity", "1", 0, 1, "the part of the surface that is there"),
         thin_walled_(p.boolean("geometry_thin_walled", false, "a sheet without inside, like a leaf")) {}
+
+  void prepare() override { ggx::white_mean_albedo(1); }  // makes the tables
 
   void evaluate(const ShadingPoint& point, Bsdf& bsdf) const override {
     const MaterialValues v(point);

@@ -7,9 +7,11 @@
 #include "geometry/base/params.h"
 #include "geometry/base/registry.h"
 #include "geometry/base/transform.h"
+#include "renderer/scene/light_bounds.h"
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,8 +67,8 @@ struct LightSample {
 class Light {
  public:
   virtual ~Light() = default;
-  // Told once before rendering: the bounds of the scene.
-  virtual void prepare(const Bounds3f& scene_bounds) { (void)scene_bounds; }
+  // Called once before rendering, for what only rendering needs. May use all threads.
+  virtual void prepare() {}
   virtual LightSample sample(Vec3f from, Vec2f random) const = 0;
   // Radiance that a ray meets that leaves the scene (environments), and the pdf with which sample() picks that
   // direction.
@@ -95,7 +97,10 @@ class Light {
     (void)t;
     return 0;
   }
-  virtual float power(const Bounds3f& scene_bounds) const = 0;  // estimate, watts-like, for choosing among lights
+  // For choosing among lights: where one with a place stands and how it shines; none for an environment,
+  virtual std::optional<LightBounds> bounds() const { return std::nullopt; }
+  // whose luminance, integrated over all directions, is estimated.
+  virtual float environment_power() const { return 0; }
 };
 
 // The variables that material expressions see, and their values at one hit. See renderer/materials/material_symbols.h.
@@ -119,6 +124,8 @@ struct Bsdf;
 class Material {
  public:
   virtual ~Material() = default;
+  // Called once before rendering, for what only rendering needs. May use all threads.
+  virtual void prepare() {}
   virtual void evaluate(const ShadingPoint& point, Bsdf& bsdf) const = 0;
   // False if every hit is opaque (opacity 1): shadow rays then need not ask.
   virtual bool may_be_transparent() const { return false; }
@@ -139,6 +146,8 @@ struct RayCounts {
 class Integrator {
  public:
   virtual ~Integrator() = default;
+  // Called once before rendering, with the scene of all later calls.
+  virtual void prepare(const Scene& scene) { (void)scene; }
   // Radiance along a camera ray. Pure but for the sampler, the counts and expansion.
   virtual Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts) const = 0;
 };

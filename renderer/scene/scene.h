@@ -1,4 +1,4 @@
-// Scene: everything a render needs, built once from a scene file, then read-only.
+// Scene: everything a render needs, built once from a scene file and prepared, then read-only.
 #pragma once
 
 #include "renderer/scene/interfaces.h"
@@ -29,6 +29,13 @@ class Scene {
   std::unique_ptr<Filter> filter;
   std::unique_ptr<Intersector> intersector;
   RenderSettings settings;
+
+  // Makes what rendering needs and checking does not: tables of materials and lights. Once, before the first ray.
+  void prepare() {
+    for (const auto& material : materials) material->prepare();
+    for (const auto& light : lights) light->prepare();
+    integrator->prepare(*this);
+  }
 
   const Material& material_of(const SurfaceHit& hit) const {
     const int i = hit.origin ? hit.origin->material : 0;

@@ -9,8 +9,8 @@
 
 namespace meristem {
 
-// The one component that `register_component` adds, with the parameters in `text`. Throws SceneErrors if anything is
-// wrong.
+// The one component that `register_component` adds, with the parameters in `text`, prepared for rendering. Throws
+// SceneErrors if anything is wrong.
 template <class Interface>
 std::unique_ptr<Interface> make(void (*register_component)(Registry<Interface>&), const std::string& text = "{}") {
   Registry<Interface> registry("component");
@@ -19,6 +19,7 @@ std::unique_ptr<Interface> make(void (*register_component)(Registry<Interface>&)
   const Value value = read_jsonc(std::make_shared<SourceText>(SourceText{"test", text}), diagnostics);
   std::unique_ptr<Interface> component = registry.create(value, registry.names().front(), diagnostics);
   diagnostics.throw_if_errors();
+  if constexpr (requires { component->prepare(); }) component->prepare();
   return component;
 }
 

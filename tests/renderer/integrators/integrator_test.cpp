@@ -107,6 +107,7 @@ struct Transport : testing::Test {
     ray.origin = origin;
     ray.direction = normalize(direction);
     Vec3d sum;
+    scene.prepare();
     for (int i = 0; i < samples; ++i) {
       scene.sampler->start(0, 0, i, 1);
       const Spectrum value = scene.integrator->radiance(ray, scene, *scene.sampler, counts);

@@ -2,6 +2,7 @@
 #include "renderer/materials/bsdf.h"
 
 #include "renderer/materials/ggx.h"
+#include "renderer/materials/ggx_albedo.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,141 @@
+#include "renderer/materials/ggx_albedo.h"
+
+#include "geometry/base/parallel.h"
+#include "renderer/materials/ggx.h"
+
+#include <array>
+#include <vector>
+
+namespace meristem::ggx {
+namespace {
+
+// A function on [0, 1] at `count` even places, as index and fraction for linear interpolation.
+struct Place {
+  int index;
+  float fraction;
+  Place(float x, int count) {
+    const float f = std::clamp(x, 0.f, 1.f) * float(count - 1);
+    index = std::min(int(f), count - 2);
+    fraction = f - float(index);
+  }
+};
+
+float mix(float a, float b, float t) { return a + (b - a) * t; }
+
+// Albedos over (root of f0, fourth root of alpha, root of the cosine): the roots even out where they change fast.
+// The last layer of f0 stands for a Fresnel term of 1.
+class AlbedoTable {
+ public:
+  static const AlbedoTable& get() {
+    static const AlbedoTable table;
+    return table;
+  }
+
+  float dielectric(float c, float alpha, float f0) const {
+    const Place p(std::sqrt(f0 / max_f0), fresnels);
+    return mix(albedo(p.index, alpha, c), albedo(p.index + 1, alpha, c), p.fraction);
+  }
+  float white(float c, float alpha) const { return albedo(fresnels, alpha, c); }
+  float dielectric_mean(float alpha, float f0) const {
+    const Place p(std::sqrt(f0 / max_f0), fresnels);
+    return mix(mean(p.index, alpha), mean(p.index + 1, alpha), p.fraction);
+  }
+  float white_mean(float alpha) const { return mean(fresnels, alpha); }
+
+ private:
+  static constexpr int fresnels = 16, alphas = 32, cosines = 48;
+  using Layers = std::array<float, fresnels + 1>;
+
+  AlbedoTable() : albedos_(std::size_t((fresnels + 1) * alphas * cosines)) {
+    parallel_for(alphas, [&](std::size_t a) {
+      for (int c = 0; c < cosines; ++c) {
+        const Layers layers = integrate(int(a), c);
+        for (int f = 0; f <= fresnels; ++f) value(f, int(a), c) = layers[std::size_t(f)];
+      }
+      for (int f = 0; f <= fresnels; ++f) means_[std::size_t(f)][a] = integrate_mean(f, int(a));
+    });
+  }
+
+  float& value(int f, int a, int c) { return albedos_[std::size_t((f * alphas + a) * cosines + c)]; }
+
+  // Even steps of the fourth root of alpha, from its least to 1.
+  static float alpha_at(float x) { return std::pow(mix(std::pow(min_alpha, 0.25f), 1, x), 4.f); }
+  static Place place_of(float alpha) {
+    const float least = std::sqrt(std::sqrt(min_alpha));
+    return {(std::sqrt(std::sqrt(alpha)) - least) / (1 - least), alphas};
+  }
+
+  // The Fresnel terms of all layers at once, a loop that the compiler turns into vectors: fresnel_dielectric().
+  static void add_fresnel(float c, float weight, Layers& sums) {
+    static const Layers etas = [] {
+      Layers e{};
+      for (int f = 0; f < fresnels; ++f)
+        e[std::size_t(f)] = eta_of(float(f * f) / float((fresnels - 1) * (fresnels - 1)) * max_f0);
+      return e;
+    }();
+    for (std::size_t f = 0; f < fresnels; ++f) {
+      const float eta = etas[f], ct = std::sqrt(eta * eta - 1 + c * c);  // eta times the refracted cosine
+      const float perpendicular = (c - ct) / (c + ct), parallel = (eta * eta * c - ct) / (eta * eta * c + ct);
+      sums[f] += weight * 0.5f * (parallel * parallel + perpendicular * perpendicular);
+    }
+    sums[fresnels] += weight;
+  }
+
+  // The mean of F G2 / G1 over visible normals, by the midpoint rule; turns of one half-plane are those of the other.
+  // random.y is 1 - t^2, since the normals that reflect below the horizon crowd near 1.
+  static Layers integrate(int a, int c) {
+    constexpr int turns = 16, steps = 40;
+    const float alpha = alpha_at(float(a) / (alphas - 1));
+    const float z = std::max(std::pow(float(c) / (cosines - 1), 2.f), 1e-5f);
+    const Vec3f wo{std::sqrt(1 - z * z), 0, z};
+    const float lambda_o = lambda(wo, alpha);
+    Layers sums{};
+    for (int i = 0; i < steps; ++i) {
+      const float t = (float(i) + 0.5f) / steps;
+      for (int k = 0; k < turns; ++k) {
+        const Vec3f h = sample_visible_normal(wo, alpha, {(float(k) + 0.5f) / (2 * turns), 1 - t * t});
+        const float cosine = dot(wo, h);
+        const Vec3f wi = h * (2 * cosine) - wo;
+        if (wi.z <= 0) continue;
+        const float weight = (1 + lambda_o) / (1 + lambda_o + lambda(wi, alpha));
+        add_fresnel(cosine, weight * 2 * t / (steps * turns), sums);
+      }
+    }
+    return sums;
+  }
+
+  // Of the interpolated table, so that what divides by it keeps its energy.
+  float integrate_mean(int f, int a) const {
+    constexpr int steps = 256;
+    const float alpha = alpha_at(float(a) / (alphas - 1));
+    double sum = 0;
+    for (int i = 0; i < steps; ++i) {
+      const float c = (float(i) + 0.5f) / steps;
+      sum += double(albedo(f, alpha, c) * 2 * c);
+    }
+    return float(sum / steps);
+  }
+
+  float albedo(int f, float alpha, float c) const {
+    const Place a = place_of(alpha), p(std::sqrt(std::max(c, 0.f)), cosines);
+    const float* row = albedos_.data() + std::ptrdiff_t((f * alphas + a.index) * cosines + p.index);
+    return mix(mix(row[0], row[1], p.fraction), mix(row[cosines], row[cosines + 1], p.fraction), a.fraction);
+  }
+  float mean(int f, float alpha) const {
+    const Place a = place_of(alpha);
+    const auto& row = means_[std::size_t(f)];
+    return mix(row[std::size_t(a.index)], row[std::size_t(a.index) + 1], a.fraction);
+  }
+
+  std::vector<float> albedos_;
+  std::array<std::array<float, alphas>, fresnels + 1> means_{};
+};
+
+}  // namespace
+
+float dielectric_albedo(float c, float alpha, float f0) { return AlbedoTable::get().dielectric(c, alpha, f0); }
+float dielectric_mean_albedo(float alpha, float f0) { return AlbedoTable::get().dielectric_mean(alpha, f0); }
+float white_albedo(float c, float alpha) { return AlbedoTable::get().white(c, alpha); }
+float white_mean_albedo(float alpha) { return AlbedoTable::get().white_mean(alpha); }
+
+}  // namespace meristem::ggx

@@ -1,0 +1,16 @@
+// Directional albedos of GGX microfacets: which part of the light from a direction single scattering gives back, and
+// its cosine-weighted mean over all directions. What conserves energy divides by them (bsdf.h).
+//
+// `c` is the cosine of the direction in [0, 1], alpha and f0 are those of ggx.h. From tables, within 0.001 of the
+// integral. The tables are made at their first use, on all threads, in some 40 ms of one; then any thread.
+#pragma once
+
+namespace meristem::ggx {
+
+float dielectric_albedo(float c, float alpha, float f0);
+float dielectric_mean_albedo(float alpha, float f0);
+// The same with a Fresnel term of 1: what is missing from 1 is lost to scattering between microfacets.
+float white_albedo(float c, float alpha);
+float white_mean_albedo(float alpha);
+
+}  // namespace meristem::ggx
