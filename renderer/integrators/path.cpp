@@ -76,11 +76,18 @@ class Walk {
     ShadingPoint point{hit, -ray_.direction};
     Bsdf bsdf;
     scene_.material_of(hit).evaluate(point, bsdf);
+    if (bsdf.inside() && bsdf.absorption != Spectrum{}) throughput_ *= passed(bsdf.absorption, hit.t);
     if (bsdf.opacity < 1 && sampler_.next_1d() >= bsdf.opacity) return pass_through(hit);
     sum_ += throughput_ * bsdf.emission;
     if (depth_ >= scene_.settings.max_depth) return false;
     add_direct_light(point, bsdf);
     return scatter(point, bsdf);
+  }
+
+  // Beer's law.
+  static Spectrum passed(Spectrum absorption, float distance) {
+    const Spectrum d = absorption * -distance;
+    return {std::exp(d.x), std::exp(d.y), std::exp(d.z)};
   }
 
   bool pass_through(const SurfaceHit& hit) {
@@ -164,8 +171,9 @@ class Walk {
     const BsdfSample s = bsdf.sample(point.wo, random, choice);
     if (!(s.pdf > 0) || s.weight == Spectrum{}) return false;
     throughput_ *= s.weight;
+    entered_ *= s.eta * s.eta;
     if (++depth_ >= path_.roulette_depth()) {
-      const float survival = std::min(0.95f, max_component(throughput_));
+      const float survival = std::min(0.95f, max_component(throughput_) * entered_);
       if (sampler_.next_1d() >= survival) return false;
       throughput_ /= survival;
     }
@@ -187,6 +195,7 @@ class Walk {
   float last_pdf_ = 0;    // 0: it comes from the camera
   float travelled_ = 0;   // from there to the ray's origin, through transparent surfaces
   Spectrum throughput_{1, 1, 1};
+  float entered_ = 1;    // radiance is larger by this in the glass around the ray
   Spectrum sum_;
   int depth_ = 0;
   int passes_ = 0;

@@ -1,5 +1,6 @@
 #include "renderer/materials/bsdf.h"
 
+#include "renderer/materials/fuzz.h"
 #include "renderer/materials/ggx.h"
 #include "renderer/materials/ggx_albedo.h"
 
@@ -36,6 +37,20 @@ void Bsdf::set_frame(const ShadingPoint& point) {
   const float side = dot(point.hit.geometric_normal, point.wo) < 0 ? -1.f : 1.f;
   geometric_normal_ = point.hit.geometric_normal * side;
   frame_ = Frame(visible_normal(point.hit.shading_normal * side, geometric_normal_, point.wo));
+  inside_ = side < 0 && glass > 0 && !thin_walled;
+  diffuse_mean_ = mean_of_diffuse();
+}
+
+// The mean over all directions, weighted by 2 c, of what reaches the diffuse base.
+float Bsdf::mean_of_diffuse() const {
+  if (!layered()) return f0 > 0 ? 1 - ggx::dielectric_mean_albedo(alpha, f0) : 1;
+  constexpr int steps = 12;
+  float sum = 0;
+  for (int i = 0; i < steps; ++i) {
+    const float c = std::sqrt((float(i) + 0.5f) / steps);
+    sum += passed_by_layers(c) * (f0 > 0 ? 1 - ggx::dielectric_albedo(c, alpha, f0) : 1);
+  }
+  return sum / steps;
 }
 
 Spectrum Bsdf::metal_fresnel(float cosine) const {
@@ -71,11 +86,44 @@ Spectrum Bsdf::fresnel(float cosine) const {
   return f;
 }
 
-// What reaches the base and comes back out, such that its cosine-weighted integral over wi is 1 - albedo(wo).
-float Bsdf::through_dielectric(float cos_o, float cos_i) const {
-  if (f0 == 0) return 1;
-  const float out = 1 - ggx::dielectric_albedo(cos_o, alpha, f0), in = 1 - ggx::dielectric_albedo(cos_i, alpha, f0);
-  return out * in / (1 - ggx::dielectric_mean_albedo(alpha, f0));
+float Bsdf::coat_albedo(float c) const { return coat > 0 ? coat * ggx::dielectric_albedo(c, coat_alpha, coat_f0) : 0; }
+float Bsdf::fuzz_albedo(float c) const { return fuzz > 0 ? fuzz * fuzz::albedo(c, fuzz_roughness) : 0; }
+
+// What the layers leave to a specular lobe below them.
+float Bsdf::over_specular(float cos_o, float cos_i) const {
+  return layered() ? std::min(passed_by_layers(cos_o), passed_by_layers(cos_i)) : 1;
+}
+
+// What reaches the diffuse base and comes back out, such that its cosine-weighted integral over wi is the part of wo
+// that is not reflected above.
+float Bsdf::over_diffuse(float cos_o, float cos_i) const {
+  float passed = 1;
+  if (f0 > 0) passed = (1 - ggx::dielectric_albedo(cos_o, alpha, f0)) * (1 - ggx::dielectric_albedo(cos_i, alpha, f0));
+  if (layered()) passed *= passed_by_layers(cos_o) * passed_by_layers(cos_i);
+  return passed / diffuse_mean_;
+}
+
+// A tint of the base for the paths in and out through the coat, which are longer the flatter they are.
+Spectrum Bsdf::coat_color(float cos_o, float cos_i) const {
+  if (!(coat > 0) || coat_tint == Spectrum(1.f)) return Spectrum(1.f);
+  const float n = ggx::eta_of(coat_f0);
+  auto path = [&](float c) { return 1 / std::sqrt(1 - (1 - c * c) / (n * n)); };
+  const float exponent = 0.5f * (path(cos_o) + path(cos_i));
+  Spectrum tint;
+  for (int k = 0; k < 3; ++k) tint[k] = 1 - coat + coat * std::pow(coat_tint[k], exponent);
+  return tint;
+}
+
+float Bsdf::eta() const {
+  // an index of 1 would not refract at all, and has no rough lobe
+  const float n = std::max(ggx::eta_of(f0), 1.01f);
+  return inside_ ? 1 / n : n;
+}
+
+// A thin wall reflects again and again between its two faces.
+float Bsdf::glass_fresnel(float cosine) const {
+  const float f = ggx::fresnel_dielectric(cosine, eta());
+  return thin_walled ? 2 * f / (1 + f) : f;
 }
 
 Spectrum Bsdf::diffuse_reflectance(Vec3f wo, Vec3f wi) const {
@@ -97,69 +145,160 @@ float Bsdf::terminator(Vec3f wi) const {
   return g * (1 + g * (1 - g));
 }
 
+// What is lost between microfacets of glass, given back as in Turquin 2019.
+float Bsdf::glass_gain(float cos_o) const {
+  if (thin_walled) return 1 / ggx::white_albedo(cos_o, alpha);
+  return 1 / ggx::glass_albedo(cos_o, alpha, std::max(ggx::eta_of(f0), 1.01f), inside_);
+}
+
+Spectrum Bsdf::layers_reflected(Vec3f wo, Vec3f wi) const {
+  Spectrum f;
+  if (coat > 0) {
+    const float cos_h = dot(wo, normalize(wo + wi));
+    const float over = fuzz > 0 ? 1 - std::max(fuzz_albedo(wo.z), fuzz_albedo(wi.z)) : 1;
+    f += Spectrum(coat * over * ggx::fresnel_dielectric(cos_h, ggx::eta_of(coat_f0)) *
+                  ggx::reflectance(wo, wi, coat_alpha));
+  }
+  if (fuzz > 0) f += fuzz_color * (fuzz * fuzz::reflectance(wo, wi, fuzz_roughness));
+  return f;
+}
+
+// The BRDF, both directions on the side of wo.
+Spectrum Bsdf::reflected(Vec3f wo, Vec3f wi) const {
+  const float base = 1 - metalness, cos_h = dot(wo, normalize(wo + wi)), over = over_specular(wo.z, wi.z);
+  Spectrum mirror = fresnel(cos_h);
+  if (glass > 0) {
+    const float gain = glass_gain(wo.z), opaque = ggx::fresnel_dielectric(cos_h, ggx::eta_of(f0));
+    mirror += dielectric_tint * (base * glass * (glass_fresnel(cos_h) * gain - opaque));
+  }
+  Spectrum f = mirror * (over * ggx::reflectance(wo, wi, alpha));
+  if (base > 0 && glass < 1) f += diffuse_reflectance(wo, wi) * (base * (1 - glass) * over_diffuse(wo.z, wi.z));
+  if (metalness > 0) f += metal_interreflection(wo.z, wi.z) * (metalness * over);
+  if (!layered()) return f;
+  return f * coat_color(wo.z, wi.z) + layers_reflected(wo, wi);
+}
+
+// The part of the glass alone, white.
+float Bsdf::glass_through(Vec3f wo, Vec3f wi) const {
+  const float gain = glass_gain(wo.z);
+  if (thin_walled) {
+    const Vec3f mirrored{wi.x, wi.y, -wi.z};
+    return gain * (1 - glass_fresnel(dot(wo, normalize(wo + mirrored)))) * ggx::reflectance(wo, mirrored, alpha);
+  }
+  const Vec3f h = ggx::refracting_normal(wo, wi, eta());
+  return gain * (1 - glass_fresnel(dot(wo, h))) * ggx::transmittance(wo, wi, alpha, eta());
+}
+
+// The BTDF.
+Spectrum Bsdf::passed_through(Vec3f wo, Vec3f wi) const {
+  const float base = 1 - metalness;
+  if (base == 0) return {};
+  Spectrum f = transmitted * (base * (1 - glass) * over_diffuse(wo.z, -wi.z) / pi_f);
+  if (glass > 0) f += glass_tint * (base * glass * over_specular(wo.z, -wi.z) * glass_through(wo, wi));
+  return f * coat_color(wo.z, -wi.z);
+}
+
 Spectrum Bsdf::evaluate(Vec3f wo_world, Vec3f wi_world) const {
   const Vec3f wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
   if (!same_side(wo_world) || !(wo.z > 0)) return {};
-  const float base = 1 - metalness;
-  if (!same_side(wi_world)) {
-    if (!(wi.z < 0) || base == 0) return {};
-    return transmitted * (base * through_dielectric(wo.z, -wi.z) * -wi.z / pi_f);
-  }
-  if (!(wi.z > 0)) return {};
-  const float cos_h = dot(wo, normalize(wo + wi));
-  Spectrum f = fresnel(cos_h) * ggx::reflectance(wo, wi, alpha);
-  if (base > 0) f += diffuse_reflectance(wo, wi) * (base * through_dielectric(wo.z, wi.z));
-  if (metalness > 0) f += metal_interreflection(wo.z, wi.z) * metalness;
-  return f * (wi.z * terminator(wi_world));
+  if (!same_side(wi_world)) return wi.z < 0 ? passed_through(wo, wi) * -wi.z : Spectrum{};
+  return wi.z > 0 ? reflected(wo, wi) * (wi.z * terminator(wi_world)) : Spectrum{};
 }
 
 // Lobes are picked by their albedos, estimated.
 Bsdf::Shares Bsdf::shares(float cosine) const {
   const float base = 1 - metalness;
-  const float reflected = f0 > 0 ? ggx::dielectric_albedo(cosine, alpha, f0) : 0;
+  const float mirrored = f0 > 0 ? ggx::dielectric_albedo(cosine, alpha, f0) : 0;
   Shares s;
-  s.specular = base * reflected * luminance(dielectric_tint);
-  s.diffuse = base * (1 - reflected) * luminance(diffuse);
-  s.transmitted = base * (1 - reflected) * luminance(transmitted);
+  s.specular = base * (1 - glass) * mirrored * luminance(dielectric_tint);
+  s.diffuse = base * (1 - glass) * (1 - mirrored) * luminance(diffuse);
+  s.transmitted = base * (1 - glass) * (1 - mirrored) * luminance(transmitted);
+  s.glass = base * glass * std::max(luminance(glass_tint), mirrored);
   if (metalness > 0) {
     const float lost = 1 - ggx::white_albedo(cosine, alpha), f = metalness * luminance(metal_fresnel(cosine));
     s.specular += f * (1 - lost);
     s.diffuse += f * lost;
   }
-  const float sum = s.specular + s.diffuse + s.transmitted;
-  if (!(sum > 0)) return {};
-  return {s.specular / sum, s.diffuse / sum, s.transmitted / sum};
+  if (layered()) {
+    const float passed = passed_by_layers(cosine);
+    s.specular *= passed, s.diffuse *= passed, s.transmitted *= passed, s.glass *= passed;
+    s.coat = coat_albedo(cosine) * (1 - fuzz_albedo(cosine));
+    s.fuzz = fuzz_albedo(cosine) * luminance(fuzz_color);
+  }
+  const float scale = s.sum() > 0 ? 1 / s.sum() : 0;
+  return {s.specular * scale, s.diffuse * scale, s.transmitted * scale,
+          s.glass * scale,    s.coat * scale,    s.fuzz * scale};
+}
+
+float Bsdf::local_pdf(Vec3f wo, Vec3f wi) const {
+  const Shares s = shares(wo.z);
+  if (wi.z < 0) {
+    float density = s.transmitted * -wi.z / pi_f;
+    if (s.glass > 0 && thin_walled) {
+      const Vec3f mirrored{wi.x, wi.y, -wi.z};
+      const float f = glass_fresnel(dot(wo, normalize(wo + mirrored)));
+      density += s.glass * (1 - f) * ggx::reflected_pdf(wo, mirrored, alpha);
+    } else if (s.glass > 0) {
+      const float f = glass_fresnel(dot(wo, ggx::refracting_normal(wo, wi, eta())));
+      density += s.glass * (1 - f) * ggx::refracted_pdf(wo, wi, alpha, eta());
+    }
+    return density;
+  }
+  float mirror = s.specular;
+  if (s.glass > 0) mirror += s.glass * glass_fresnel(dot(wo, normalize(wo + wi)));
+  float density = mirror * ggx::reflected_pdf(wo, wi, alpha) + (s.diffuse + s.fuzz) * wi.z / pi_f;
+  if (s.coat > 0) density += s.coat * ggx::reflected_pdf(wo, wi, coat_alpha);
+  return density;
 }
 
 float Bsdf::pdf(Vec3f wo_world, Vec3f wi_world) const {
   const Vec3f wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
   if (!same_side(wo_world) || !(wo.z > 0)) return 0;
+  return wi.z != 0 && same_side(wi_world) == (wi.z > 0) ? local_pdf(wo, wi) : 0;
+}
+
+// One microfacet reflects or refracts, by its Fresnel term.
+Bsdf::Choice Bsdf::choose_glass(Vec3f wo, Vec2f random, float choice) const {
+  const Vec3f h = ggx::sample_visible_normal(wo, alpha, random), mirrored = h * (2 * dot(wo, h)) - wo;
+  if (choice < glass_fresnel(dot(wo, h))) return {mirrored, false};
+  if (thin_walled) return {{mirrored.x, mirrored.y, -mirrored.z}, true};
+  return {ggx::refract(wo, h, eta()), true};
+}
+
+Bsdf::Choice Bsdf::choose(Vec3f wo, Vec2f random, float choice) const {
   const Shares s = shares(wo.z);
-  if (!same_side(wi_world)) return wi.z < 0 ? s.transmitted * -wi.z / pi_f : 0;
-  if (!(wi.z > 0)) return 0;
-  return s.specular * ggx::reflected_pdf(wo, wi, alpha) + s.diffuse * wi.z / pi_f;
+  auto mirrored = [&](float roughness) {
+    const Vec3f h = ggx::sample_visible_normal(wo, roughness, random);
+    return h * (2 * dot(wo, h)) - wo;
+  };
+  // Each lobe takes its share of [0, 1) and passes on the rest
+  auto picked = [&](float share) {
+    if (choice < share) return true;
+    choice -= share;
+    return false;
+  };
+  if (picked(s.specular)) return {mirrored(alpha), false};
+  if (picked(s.glass)) return choose_glass(wo, random, choice / s.glass);
+  if (picked(s.coat)) return {mirrored(coat_alpha), false};
+  const Vec3f wi = cosine_hemisphere(random);
+  if (picked(s.diffuse + s.fuzz) || !(s.transmitted > 0)) return {wi, false};
+  return {{wi.x, wi.y, -wi.z}, true};
 }
 
 BsdfSample Bsdf::sample(Vec3f wo_world, Vec2f random, float choice) const {
   const Vec3f wo = frame_.to_local(wo_world);
   BsdfSample result;
   if (!same_side(wo_world) || !(wo.z > 0)) return result;
-  const Shares s = shares(wo.z);
-  Vec3f wi;
-  if (choice < s.specular) {
-    const Vec3f h = ggx::sample_visible_normal(wo, alpha, random);
-    wi = h * (2 * dot(wo, h)) - wo;
-  } else {
-    wi = cosine_hemisphere(random);
-    result.is_transmission = choice >= s.specular + s.diffuse && s.transmitted > 0;
-    if (result.is_transmission) wi.z = -wi.z;
-  }
-  result.wi = normalize(frame_.to_world(wi));
+  const Choice chosen = choose(wo, random, choice);
+  if (chosen.wi == Vec3f{}) return result;
+  result.is_transmission = chosen.transmission;
+  result.wi = normalize(frame_.to_world(chosen.wi));
   if (same_side(result.wi) == result.is_transmission) return result;
   const float density = pdf(wo_world, result.wi);
   if (!(density > 0)) return result;
   const Spectrum weight = evaluate(wo_world, result.wi) / density;
   if (!is_finite(weight)) return result;
+  if (result.is_transmission && glass > 0 && !thin_walled) result.eta = eta();
   result.pdf = density;
   result.weight = weight;
   return result;

@@ -11,10 +11,18 @@
 //    reflected on the way in and out, such that a white base under it gives back all light (Kelemen, Szirmay-Kalos
 //    2001).
 //
+//  - glass in place of the diffuse base: GGX reflection and refraction with one distribution of microfacets (Walter et
+//    al. 2007), or through a thin wall straight on; tinted; what is lost between microfacets is given back by a factor
+//    that depends on wo (Turquin 2019, "Practical multiple scattering compensation for microfacet models");
+//  - on top of all of it a coat (GGX, dielectric) and on top of that fuzz (fuzz.h). A layer passes on what it does not
+//    reflect: below it specular lobes are dimmed by the lesser of what it passes in the two directions, diffuse ones by
+//    the product of both, such that a white base gives back all that arrives.
+//
 // Which side a direction lies on is decided by the geometric normal; cosines use the shading normal, bent towards wo
 // where it would face away. Directions that the two normals see on different sides scatter nothing, so no light leaks;
 // towards that border reflection fades as in Chiang, Li, Burley 2019, "Taming the Shadow Terminator". With equal
-// normals it is reciprocal and conserves energy. Finite for every finite input; parameters must be in the ranges given.
+// normals it is reciprocal (of glass: f / eta^2 is, but for the factor) and conserves energy. Finite for every finite
+// input; parameters must be in the ranges given.
 #pragma once
 
 #include "renderer/scene/interfaces.h"
@@ -34,14 +42,27 @@ struct Bsdf {
   Spectrum metal_f0{};                 // metal reflectance at normal incidence
   Spectrum metal_f82{1, 1, 1};         // tint at 82 degrees
   float metal_weight = 1;              // multiplies the metal reflection
-  float opacity = 1;                   // probability that light meets the surface at all
-  Spectrum emission{};                 // radiance, all directions, both sides
+  float glass = 0;                     // [0, 1]: which part of the dielectric's base is glass
+  Spectrum glass_tint{1, 1, 1};        // multiplies what goes through
+  Spectrum absorption{};               // of the glass inside, per metre
+  bool thin_walled = false;            // glass without inside
+  float coat = 0;                      // [0, 1]
+  float coat_alpha = 1e-3f;
+  float coat_f0 = 0.053f;       // [0, ggx::max_f0]
+  Spectrum coat_tint{1, 1, 1};  // of light that goes in and out again straight
+  float fuzz = 0;               // [0, 1]
+  Spectrum fuzz_color{1, 1, 1};
+  float fuzz_roughness = 0.5f;  // [fuzz::min_roughness, 1]
+  float opacity = 1;            // probability that light meets the surface at all
+  Spectrum emission{};          // radiance, all directions, both sides
 
-  // Sets the normals for light that leaves towards point.wo, and forgets nothing else.
+  // Sets the normals for light that leaves towards point.wo, and what follows from the other parameters: so after them.
   void set_frame(const ShadingPoint& point);
 
   // Whether light comes through from the other side.
-  bool transmits() const { return transmitted != Spectrum{}; }
+  bool transmits() const { return transmitted != Spectrum{} || glass > 0; }
+  // Whether wo lies inside the glass.
+  bool inside() const { return inside_; }
   // The scattered part times |cos| of wi. Zero if wo is not on the side of set_frame().
   Spectrum evaluate(Vec3f wo, Vec3f wi) const;
   // The density of sample() by solid angle.
@@ -51,20 +72,45 @@ struct Bsdf {
 
  private:
   struct Shares {
-    float specular = 0, diffuse = 0, transmitted = 0;  // sum to 1, or all 0
+    float specular = 0, diffuse = 0, transmitted = 0, glass = 0, coat = 0, fuzz = 0;  // sum to 1, or all 0
+    float sum() const { return specular + diffuse + transmitted + glass + coat + fuzz; }
+  };
+  struct Choice {
+    Vec3f wi;  // zero: absorbed
+    bool transmission = false;
   };
   Shares shares(float cosine) const;
   Spectrum fresnel(float cosine) const;
   Spectrum metal_fresnel(float cosine) const;
   Spectrum metal_interreflection(float cos_o, float cos_i) const;
   Spectrum metal_mean_fresnel() const;
-  float through_dielectric(float cos_o, float cos_i) const;
+  float mean_of_diffuse() const;
+  // The parts that a layer reflects; what passes all of those above the base, of colour left out.
+  float coat_albedo(float c) const;
+  float fuzz_albedo(float c) const;
+  float passed_by_layers(float c) const { return (1 - coat_albedo(c)) * (1 - fuzz_albedo(c)); }
+  bool layered() const { return coat > 0 || fuzz > 0; }
+  float over_specular(float cos_o, float cos_i) const;
+  float over_diffuse(float cos_o, float cos_i) const;
+  Spectrum coat_color(float cos_o, float cos_i) const;
+  float eta() const;  // of the glass, from the side of wo
+  float glass_fresnel(float cosine) const;
+  float glass_gain(float cos_o) const;
+  Spectrum reflected(Vec3f wo, Vec3f wi) const;
+  Spectrum layers_reflected(Vec3f wo, Vec3f wi) const;
+  Spectrum passed_through(Vec3f wo, Vec3f wi) const;
+  float glass_through(Vec3f wo, Vec3f wi) const;
+  float local_pdf(Vec3f wo, Vec3f wi) const;
+  Choice choose(Vec3f wo, Vec2f random, float choice) const;
+  Choice choose_glass(Vec3f wo, Vec2f random, float choice) const;
   Spectrum diffuse_reflectance(Vec3f wo, Vec3f wi) const;
   float terminator(Vec3f wi) const;
   bool same_side(Vec3f w) const { return dot(w, geometric_normal_) > 0; }
 
   Vec3f geometric_normal_{0, 0, 1};  // on the side of wo
   Frame frame_;                      // around the shading normal, on the side of wo
+  bool inside_ = false;              // wo is where the glass is
+  float diffuse_mean_ = 1;           // the mean of what reaches the diffuse base
 };
 
 }  // namespace meristem

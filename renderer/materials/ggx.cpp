@@ -41,9 +41,51 @@ float reflected_pdf(Vec3f wo, Vec3f wi, float alpha) {
   return masking(wo, alpha) * distribution(normalize(wo + wi), alpha) / (4 * wo.z);
 }
 
+Vec3f refracting_normal(Vec3f wo, Vec3f wi, float eta) {
+  Vec3f h = normalize(wo + wi * eta);
+  if (h.z < 0) h = -h;
+  return dot(h, wo) > 0 && dot(h, wi) < 0 ? h : Vec3f{};
+}
+
+Vec3f refract(Vec3f wo, Vec3f h, float eta) {
+  const float c = dot(wo, h), s2 = (1 - c * c) / (eta * eta);
+  if (!(s2 < 1)) return {};
+  return normalize(h * (c / eta - std::sqrt(1 - s2)) - wo / eta);
+}
+
+namespace {
+
+// d(normal) / d(wi) of refraction, but for |dot(wi, h)|.
+float refraction_jacobian(Vec3f wo, Vec3f wi, Vec3f h, float eta) {
+  const float root = dot(wi, h) + dot(wo, h) / eta;
+  return 1 / std::max(root * root, 1e-12f);
+}
+
+}  // namespace
+
+// The radiance that goes to the thinner medium spreads: 1 / eta^2.
+float transmittance(Vec3f wo, Vec3f wi, float alpha, float eta) {
+  if (!(wo.z > min_cosine && wi.z < -min_cosine)) return 0;
+  const Vec3f h = refracting_normal(wo, wi, eta);
+  if (h == Vec3f{}) return 0;
+  const float cosines = dot(wo, h) * -dot(wi, h) / (wo.z * -wi.z);
+  return distribution(h, alpha) * masking_shadowing(wo, {wi.x, wi.y, -wi.z}, alpha) * cosines *
+         refraction_jacobian(wo, wi, h, eta) / (eta * eta);
+}
+
+float refracted_pdf(Vec3f wo, Vec3f wi, float alpha, float eta) {
+  if (!(wo.z > min_cosine && wi.z < -min_cosine)) return 0;
+  const Vec3f h = refracting_normal(wo, wi, eta);
+  if (h == Vec3f{}) return 0;
+  return masking(wo, alpha) * distribution(h, alpha) * dot(wo, h) / wo.z * -dot(wi, h) *
+         refraction_jacobian(wo, wi, h, eta);
+}
+
 float fresnel_dielectric(float cosine, float eta) {
   const float c = std::clamp(cosine, 0.f, 1.f);
-  const float ct = std::sqrt(std::max(0.f, 1 - (1 - c * c) / (eta * eta)));
+  const float ct2 = 1 - (1 - c * c) / (eta * eta);
+  if (!(ct2 > 0)) return 1;
+  const float ct = std::sqrt(ct2);
   const float parallel = (eta * c - ct) / (eta * c + ct), perpendicular = (c - eta * ct) / (c + eta * ct);
   return 0.5f * (parallel * parallel + perpendicular * perpendicular);
 }

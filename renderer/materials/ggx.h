@@ -28,7 +28,16 @@ Vec3f sample_visible_normal(Vec3f wo, float alpha, Vec2f random);
 // The density, by solid angle, of the mirror directions of those normals.
 float reflected_pdf(Vec3f wo, Vec3f wi, float alpha);
 
-// Unpolarised Fresnel reflectance at an interface to a relative index eta >= 1, seen from outside.
+// Refraction from wo into a medium of relative index eta (below 1: into the thinner one); wi.z < 0. Walter et al.,
+// section 5.3. `h` is the normal (h.z > 0) of a microfacet that refracts wo to wi; zero if there is none.
+Vec3f refracting_normal(Vec3f wo, Vec3f wi, float eta);
+// The direction to which a microfacet refracts wo; zero for total reflection.
+Vec3f refract(Vec3f wo, Vec3f h, float eta);
+// A BTDF of radiance, but for the Fresnel term, and the density of the refracted directions of visible normals.
+float transmittance(Vec3f wo, Vec3f wi, float alpha, float eta);
+float refracted_pdf(Vec3f wo, Vec3f wi, float alpha, float eta);
+
+// Unpolarised Fresnel reflectance at an interface to a medium of relative index eta; 1 for total reflection.
 float fresnel_dielectric(float cosine, float eta);
 // eta from the reflectance at normal incidence in [0, 1), and back.
 float eta_of(float f0);

@@ -131,11 +131,67 @@ class AlbedoTable {
   std::array<std::array<float, alphas>, fresnels + 1> means_{};
 };
 
+// Over (1 - 1/eta, fourth root of alpha, root of the cosine), from outside and from inside.
+class GlassTable {
+ public:
+  static const GlassTable& get() {
+    static const GlassTable table;
+    return table;
+  }
+
+  float at(float c, float alpha, float eta, bool inside) const {
+    const Place n((1 - 1 / eta) / (1 - 1 / max_eta), etas), a(std::sqrt(std::sqrt(alpha)), alphas);
+    const Place p(std::sqrt(std::max(c, 0.f)), cosines);
+    auto row = [&](int e, int k) {
+      const float* v = values_.data() + ((inside * etas + e) * alphas + k) * cosines + p.index;
+      return mix(v[0], v[1], p.fraction);
+    };
+    auto layer = [&](int e) { return mix(row(e, a.index), row(e, a.index + 1), a.fraction); };
+    return mix(layer(n.index), layer(n.index + 1), n.fraction);
+  }
+
+ private:
+  static constexpr int etas = 10, alphas = 20, cosines = 32;
+  static constexpr float max_eta = 4;
+
+  GlassTable() : values_(std::size_t(2 * etas * alphas * cosines)) {
+    parallel_for(2 * etas * alphas, [&](std::size_t i) {
+      const auto e = int(i / alphas);
+      const float eta = 1 / (1 - (1 - 1 / max_eta) * float(e % etas) / (etas - 1));
+      const float alpha = std::max(std::pow(float(int(i) % alphas) / (alphas - 1), 4.f), min_alpha);
+      for (int c = 0; c < cosines; ++c) {
+        const float root = std::max(float(c) / (cosines - 1), 0.01f);
+        values_[i * cosines + std::size_t(c)] = integrate(root * root, alpha, e < etas ? eta : 1 / eta);
+      }
+    });
+  }
+
+  // As AlbedoTable::integrate(); what is refracted is dimmed by masking alike.
+  static float integrate(float c, float alpha, float eta) {
+    constexpr int turns = 12, steps = 24;
+    const Vec3f wo{std::sqrt(1 - c * c), 0, c};
+    float sum = 0;
+    for (int i = 0; i < steps * turns; ++i) {
+      const float t = (float(i / turns) + 0.5f) / steps;
+      const Vec3f h = sample_visible_normal(wo, alpha, {(float(i % turns) + 0.5f) / (2 * turns), 1 - t * t});
+      const float f = fresnel_dielectric(dot(wo, h), eta);
+      const Vec3f mirrored = h * (2 * dot(wo, h)) - wo, refracted = refract(wo, h, eta);
+      float kept = mirrored.z > 0 ? f * masking_shadowing(wo, mirrored, alpha) : 0;
+      if (refracted.z < 0) kept += (1 - f) * masking_shadowing(wo, refracted, alpha);
+      sum += 2 * t * kept;
+    }
+    return sum / (steps * turns) / masking(wo, alpha);
+  }
+
+  std::vector<float> values_;
+};
+
 }  // namespace
 
 float dielectric_albedo(float c, float alpha, float f0) { return AlbedoTable::get().dielectric(c, alpha, f0); }
 float dielectric_mean_albedo(float alpha, float f0) { return AlbedoTable::get().dielectric_mean(alpha, f0); }
 float white_albedo(float c, float alpha) { return AlbedoTable::get().white(c, alpha); }
 float white_mean_albedo(float alpha) { return AlbedoTable::get().white_mean(alpha); }
+float glass_albedo(float c, float alpha, float eta, bool inside) { return GlassTable::get().at(c, alpha, eta, inside); }
 
 }  // namespace meristem::ggx

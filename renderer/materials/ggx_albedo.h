@@ -12,5 +12,8 @@ float dielectric_mean_albedo(float alpha, float f0);
 // The same with a Fresnel term of 1: what is missing from 1 is lost to scattering between microfacets.
 float white_albedo(float c, float alpha);
 float white_mean_albedo(float alpha);
+// What a microfacet surface of glass with index eta in [1, 4] reflects and refracts together, for light that arrives
+// from outside, or from `inside` the glass. From a table of its own.
+float glass_albedo(float c, float alpha, float eta, bool inside);
 
 }  // namespace meristem::ggx

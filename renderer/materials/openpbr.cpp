@@ -1,14 +1,22 @@
-// openpbr: the standard surface: dielectrics over a diffuse base, metals, and thin leaves that light shines through.
+// openpbr: the standard surface: dielectrics over a diffuse base, metals, glass, coats, fuzz, and thin leaves that
+// light shines through.
 //
-// The part of OpenPBR Surface 1.1 (Academy Software Foundation 2024) that plants and rooms need, under its parameter
-// names; every one is an expression over the symbols of material_symbols.h. What differs: base_weight dims the diffuse
-// base and the metal alike; without geometry_thin_walled the subsurface is a diffuse reflection of its colour; emission
-// is a radiance in scene units, emission_luminance * emission_color, not covered by a coat. Both sides of a surface
-// look alike.
+// OpenPBR Surface 1.1 (Academy Software Foundation 2024) under its parameter names; every one is an expression over the
+// symbols of material_symbols.h. What differs:
+//  - base_weight dims the diffuse base and the metal alike;
+//  - subsurface is an approximation: without geometry_thin_walled a diffuse reflection of its colour, so light does not
+//    travel below the surface;
+//  - glass: no dispersion, no scattering inside (transmission_scatter); transmission_color without transmission_depth
+//    tints each of the two crossings by its root; light samples do not see through it, so that what it throws on other
+//    surfaces is found by bounces alone and small lights make it noisy;
+//  - no coat_darkening, no anisotropic roughness, no thin film;
+//  - emission is a radiance in scene units, emission_luminance * emission_color, not covered by coat or fuzz.
+// Both sides of a surface look alike but for glass, whose inside is what the normal points away from.
 //
 // A leaf: geometry_thin_walled true, subsurface_weight towards 1, subsurface_color its colour;
 // subsurface_scatter_anisotropy from -1 (reflects all) over 0 (half and half) to 1 (transmits all).
 #include "renderer/materials/bsdf.h"
+#include "renderer/materials/fuzz.h"
 #include "renderer/materials/ggx.h"
 #include "renderer/materials/ggx_albedo.h"
 #include "renderer/materials/material_symbols.h"
@@ -29,25 +37,43 @@ class OpenPbr : public Material {
         specular_color_(p, "specular_color", "1", 1, "tint of the reflection; of metal, near its edges"),
         specular_roughness_(p, "specular_roughness", "0.3", 0, 1, "0: mirror; 1: dull"),
         specular_ior_(p, "specular_ior", "1.5", 1, 4, "index of refraction of the dielectric"),
+        transmission_weight_(p, "transmission_weight", "0", 0, 1, "how much of the dielectric's base is glass"),
+        transmission_color_(p, "transmission_color", "1", 1, "colour of light that has crossed the glass"),
+        transmission_depth_(p, "transmission_depth", "0", 0, any, "metres of glass that give that colour; 0: any"),
         subsurface_weight_(p, "subsurface_weight", "0", 0, 1, "how much of the diffuse base is subsurface"),
         subsurface_color_(p, "subsurface_color", "0.8", 1, "colour of the subsurface"),
         anisotropy_(p, "subsurface_scatter_anisotropy", "0", -1, 1, "of thin walls: -1 reflects, 1 transmits"),
+        coat_weight_(p, "coat_weight", "0", 0, 1, "how much of the surface has a clear coat"),
+        coat_color_(p, "coat_color", "1", 1, "tint of what is seen through the coat"),
+        coat_roughness_(p, "coat_roughness", "0", 0, 1, "of the coat; 0: mirror"),
+        coat_ior_(p, "coat_ior", "1.6", 1, 4, "index of refraction of the coat"),
+        fuzz_weight_(p, "fuzz_weight", "0", 0, 1, "how much of the surface has fuzz: dust, velvet, peach skin"),
+        fuzz_color_(p, "fuzz_color", "1", 1, "colour of the fuzz"),
+        fuzz_roughness_(p, "fuzz_roughness", "0.5", fuzz::min_roughness, 1, "0: only the rim shines; 1: all around"),
         emission_luminance_(p, "emission_luminance", "0", 0, any, "radiance of its own light"),
         emission_color_(p, "emission_color", "1", any, "colour of its own light"),
         opacity_(p, "geometry_opacity", "1", 0, 1, "the part of the surface that is there"),
         thin_walled_(p.boolean("geometry_thin_walled", false, "a sheet without inside, like a leaf")) {}
 
-  void prepare() override { ggx::white_mean_albedo(1); }  // makes the tables
+  // Makes the tables that a hit will ask.
+  void prepare() override {
+    ggx::white_mean_albedo(1);
+    if (!is_zero(transmission_weight_)) ggx::glass_albedo(1, 1, 1.5f, false);
+    if (!is_zero(fuzz_weight_)) fuzz::albedo(1, 1);
+  }
 
   void evaluate(const ShadingPoint& point, Bsdf& bsdf) const override {
     const MaterialValues v(point);
     bsdf = Bsdf{};
-    bsdf.set_frame(point);
     bsdf.opacity = opacity_.at(v);
     bsdf.emission = emission_color_.at(v) * emission_luminance_.at(v);
     bsdf.metalness = metalness_.at(v);
     set_specular(v, bsdf);
     set_base(v, bsdf);
+    if (!is_zero(transmission_weight_)) set_glass(v, bsdf);
+    if (!is_zero(fuzz_weight_)) set_fuzz(v, bsdf);
+    if (!is_zero(coat_weight_)) set_coat(v, bsdf);
+    bsdf.set_frame(point);
   }
 
   bool may_be_transparent() const override { return !opacity_.is_constant() || opacity_.at(MaterialValues({})) < 1; }
@@ -75,15 +101,58 @@ class OpenPbr : public Material {
     bsdf.transmitted = subsurface * through;
   }
 
+  // Colour by a depth is Beer's law; without one it tints each of the two crossings by its root.
+  void set_glass(const MaterialValues& v, Bsdf& bsdf) const {
+    bsdf.glass = transmission_weight_.at(v);
+    bsdf.thin_walled = thin_walled_;
+    const Spectrum color = transmission_color_.at(v);
+    const float depth = transmission_depth_.at(v);
+    if (thin_walled_ || depth == 0) {
+      for (int k = 0; k < 3; ++k) bsdf.glass_tint[k] = thin_walled_ ? color[k] : std::sqrt(color[k]);
+    } else {
+      for (int k = 0; k < 3; ++k) bsdf.absorption[k] = -std::log(std::max(color[k], 1e-6f)) / depth;
+    }
+  }
+
+  void set_fuzz(const MaterialValues& v, Bsdf& bsdf) const {
+    bsdf.fuzz = fuzz_weight_.at(v);
+    bsdf.fuzz_color = fuzz_color_.at(v);
+    bsdf.fuzz_roughness = fuzz_roughness_.at(v);
+  }
+
+  // The coat also roughens what lies below it, and takes the place of air before it (OpenPBR, "Coat").
+  void set_coat(const MaterialValues& v, Bsdf& bsdf) const {
+    const float weight = coat_weight_.at(v), roughness = coat_roughness_.at(v), ior = coat_ior_.at(v);
+    bsdf.coat = weight;
+    bsdf.coat_tint = coat_color_.at(v);
+    bsdf.coat_alpha = std::max(roughness * roughness, ggx::min_alpha);
+    bsdf.coat_f0 = ggx::f0_of(ior);
+    const float alpha = std::sqrt(std::min(1.f, bsdf.alpha * bsdf.alpha + 2 * bsdf.coat_alpha * bsdf.coat_alpha));
+    bsdf.alpha += weight * (alpha - bsdf.alpha);
+    const float relative = ggx::eta_of(bsdf.f0) / (1 + weight * (ior - 1));
+    bsdf.f0 = std::min(ggx::f0_of(std::max(relative, 1 / relative)), ggx::max_f0);
+  }
+
+  static bool is_zero(const ScalarParameter& p) { return p.is_constant() && p.at(MaterialValues({})) == 0; }
+
   ScalarParameter base_weight_;
   ColorParameter base_color_;
   ScalarParameter metalness_, diffuse_roughness_;
   ScalarParameter specular_weight_;
   ColorParameter specular_color_;
   ScalarParameter specular_roughness_, specular_ior_;
+  ScalarParameter transmission_weight_;
+  ColorParameter transmission_color_;
+  ScalarParameter transmission_depth_;
   ScalarParameter subsurface_weight_;
   ColorParameter subsurface_color_;
   ScalarParameter anisotropy_;
+  ScalarParameter coat_weight_;
+  ColorParameter coat_color_;
+  ScalarParameter coat_roughness_, coat_ior_;
+  ScalarParameter fuzz_weight_;
+  ColorParameter fuzz_color_;
+  ScalarParameter fuzz_roughness_;
   ScalarParameter emission_luminance_;
   ColorParameter emission_color_;
   ScalarParameter opacity_;

@@ -115,6 +115,7 @@ struct BsdfSample {
   float pdf = 0;    // by solid angle; 0: absorbed
   bool is_delta = false;
   bool is_transmission = false;
+  float eta = 1;  // index of refraction on the side of wi, relative to that of wo
 };
 
 // The scattering of one hit, with all parameters evaluated. Small enough to live on the stack of the integrator.

@@ -71,14 +71,16 @@ struct Analytic : Intersector {
 
 struct Matte : Material {
   Spectrum albedo{0.5f, 0.5f, 0.5f};
-  float specular = 0, opacity = 1;
-  Spectrum emission;
+  float specular = 0, opacity = 1, glass = 0;
+  Spectrum emission, absorption;
   void evaluate(const ShadingPoint& point, Bsdf& bsdf) const override {
-    bsdf.set_frame(point);
     bsdf.diffuse = albedo;
     bsdf.f0 = specular;
     bsdf.opacity = opacity;
     bsdf.emission = emission;
+    bsdf.glass = glass;
+    bsdf.absorption = absorption;
+    bsdf.set_frame(point);
   }
   bool may_be_transparent() const override { return opacity < 1; }
 };
@@ -129,6 +131,22 @@ TEST_F(Transport, WhiteBallInWhiteSurroundingsIsInvisible) {
   add_ball({0, 0, 0}, 1);
   scene.lights.push_back(make<Light>(register_constant));
   for (float x : {0.f, 0.5f, 0.95f}) EXPECT_NEAR(radiance({x, 0, 5}, {0, 0, -1}).x, 1, 0.02) << x;
+}
+
+// Glass without a tint hides nothing in even surroundings; what it absorbs follows Beer's law: a ray through the middle
+// of the ball crosses 2 m, but for what is reflected.
+TEST_F(Transport, GlassBallInWhiteSurroundings) {
+  Matte& glass = static_cast<Matte&>(*scene.materials[0]);
+  glass.glass = 1;
+  glass.specular = 0.04f;
+  add_ball({0, 0, 0}, 1);
+  scene.lights.push_back(make<Light>(register_constant));
+  for (float x : {0.f, 0.5f, 0.95f}) EXPECT_NEAR(radiance({x, 0, 5}, {0, 0, -1}, 16384).x, 1, 0.01) << x;
+  glass.absorption = {0.5f, 1000, 0};
+  scene.settings.max_depth = 2;  // in and out
+  const double straight = 0.04 + 0.96 * 0.96 * std::exp(-1);
+  EXPECT_NEAR(radiance({0.01f, 0, 5}, {0, 0, -1}, 16384).x, straight, 0.02);
+  EXPECT_NEAR(radiance({0.01f, 0, 5}, {0, 0, -1}, 16384).y, 0.04, 0.01);
 }
 
 // Inside a closed ball that glows with 1 and reflects 0.5, radiance is 1 / (1 - 0.5) everywhere.

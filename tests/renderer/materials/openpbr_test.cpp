@@ -76,6 +76,33 @@ TEST_F(OpenPbrTest, LeavesTransmitOnlyWhenThinWalled) {
   EXPECT_FLOAT_EQ(forward.transmitted.y, 0.5f * 0.8f);
 }
 
+TEST_F(OpenPbrTest, GlassTintsByItsRootOrByDepth) {
+  const Bsdf tinted = bsdf(R"({ "transmission_weight": 1, "transmission_color": [0.25, 1, 0.04] })");
+  EXPECT_EQ(tinted.glass, 1);
+  EXPECT_LT(length(tinted.glass_tint - Spectrum{0.5f, 1, 0.2f}), 1e-6f);
+  EXPECT_EQ(tinted.absorption, Spectrum{});
+  const Bsdf deep =
+      bsdf(R"({ "transmission_weight": 1, "transmission_color": [0.5, 1, 0.25], "transmission_depth": 2 })");
+  EXPECT_EQ(deep.glass_tint, Spectrum(1.f));
+  EXPECT_LT(length(deep.absorption - Spectrum{0.34657f, 0, 0.69315f}), 1e-4f);  // ln 2 / 2, 0, ln 4 / 2
+  const Bsdf window = bsdf(R"({ "transmission_weight": 1, "transmission_color": 0.25, "geometry_thin_walled": true })");
+  EXPECT_TRUE(window.thin_walled);
+  EXPECT_EQ(window.glass_tint, Spectrum(0.25f));
+}
+
+// The coat has an index of its own: below one of the same index a dielectric does not reflect.
+TEST_F(OpenPbrTest, CoatAndFuzz) {
+  const Bsdf same = bsdf(R"({ "coat_weight": 1, "coat_ior": 1.5, "coat_roughness": 0.5, "specular_roughness": 0 })");
+  EXPECT_NEAR(same.f0, 0, 1e-6f);
+  EXPECT_NEAR(same.coat_f0, 0.04f, 1e-6f);
+  EXPECT_NEAR(same.coat_alpha, 0.25f, 1e-6f);
+  EXPECT_GT(same.alpha, 0.25f);  // seen through a rough coat
+  const Bsdf dusty = bsdf(R"({ "fuzz_weight": "u", "fuzz_color": [1, 0.5, 0] })");
+  EXPECT_EQ(dusty.fuzz, 0.25f);
+  EXPECT_EQ(dusty.fuzz_color, (Spectrum{1, 0.5f, 0}));
+  EXPECT_EQ(dusty.coat, 0);
+}
+
 TEST_F(OpenPbrTest, KnowsWhetherItMayBeTransparent) {
   EXPECT_FALSE(make<Material>(register_openpbr)->may_be_transparent());
   EXPECT_TRUE(make<Material>(register_openpbr, R"({ "geometry_opacity": 0.5 })")->may_be_transparent());
