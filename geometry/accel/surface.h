@@ -22,7 +22,7 @@ struct SurfaceHit {
   Vec3f position_error;    // bound on |position - exact|, per component, in world space
   Vec3f geometric_normal;  // unit; towards the outside (counter-clockwise corners), whatever side the ray came from
   Vec3f shading_normal;    // unit; on the same side of the surface as geometric_normal
-  Vec3f dpdu;              // tangent along growing u (not unit); zero if u does not vary there
+  Vec3f dpdu, dpdv;        // tangents along growing u and v (not unit); zero if these do not vary there
   float u = 0, v = 0;      // propagated texture coordinates
   int object = -1;         // index into the world's objects
   const FaceOrigin* origin = nullptr;  // valid until the thread passes its next quiescent point

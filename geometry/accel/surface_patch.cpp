@@ -122,8 +122,9 @@ SurfaceHit SurfacePatch::surface_at(const PatchHit& patch_hit) const {
   const Vec2f uv = blend(t.uv);
   hit.u = uv.x;
   hit.v = uv.y;
-  hit.dpdu =
-      tangent_along_u(e1, e2, t.uv[c.vertices[1]] - t.uv[c.vertices[0]], t.uv[c.vertices[2]] - t.uv[c.vertices[0]]);
+  const Vec2f t1 = t.uv[c.vertices[1]] - t.uv[c.vertices[0]], t2 = t.uv[c.vertices[2]] - t.uv[c.vertices[0]];
+  hit.dpdu = tangent_along_u(e1, e2, t1, t2);
+  hit.dpdv = tangent_along_u(e1, e2, {t1.y, t1.x}, {t2.y, t2.x});
   hit.origin = &t.origins[c.origin];
   return hit;
 }

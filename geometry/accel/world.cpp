@@ -140,6 +140,7 @@ class World final : public Intersector {
       hit.geometric_normal = normalize(from_world.transposed_vector(hit.geometric_normal));
       hit.shading_normal = normalize(from_world.transposed_vector(hit.shading_normal));
       hit.dpdu = to_world.vector(hit.dpdu);
+      hit.dpdv = to_world.vector(hit.dpdv);
       return hit;
     }
 

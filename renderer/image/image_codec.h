@@ -7,7 +7,9 @@
 #pragma once
 
 #include "renderer/image/image.h"
+#include "renderer/image/texture.h"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,7 @@ class ImageCodec {
   // The bytes of a file. `path` is for messages; the image's channels are those that the file gets.
   virtual std::vector<unsigned char> encode(const std::string& path, ImageFormat format, const Image& image,
                                             const Metadata& metadata, const WriteOptions& options) const = 0;
+  virtual std::unique_ptr<const Texture> open_texture(const std::string& path, const TextureOptions& options) const = 0;
 
  protected:
   ~ImageCodec() = default;

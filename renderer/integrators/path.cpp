@@ -6,7 +6,8 @@
 // weak paths end by Russian roulette, which changes noise, not brightness.
 //
 // Opacity below 1 lets camera and bounce rays pass by chance and dims shadow rays; neither counts as a bounce. Lights
-// with shapes add their light to a ray that crosses them and do not stop it, as they stop no shadow ray either.
+// with shapes add their light to a ray that crosses them and do not stop it, as they stop no shadow ray either. Glowing
+// objects are hit like any surface, and asked for light like any lamp where the loader has made lights of their faces.
 #include "renderer/integrators/light_choice.h"
 #include "renderer/materials/bsdf.h"
 #include "renderer/scene/ray_origin.h"
@@ -78,7 +79,7 @@ class Walk {
     scene_.material_of(hit).evaluate(point, bsdf);
     if (bsdf.inside() && bsdf.absorption != Spectrum{}) throughput_ *= passed(bsdf.absorption, hit.t);
     if (bsdf.opacity < 1 && sampler_.next_1d() >= bsdf.opacity) return pass_through(hit);
-    sum_ += throughput_ * bsdf.emission;
+    if (bsdf.emission != Spectrum{}) sum_ += throughput_ * bsdf.emission * weight_of_surface(hit);
     if (depth_ >= scene_.settings.max_depth) return false;
     add_direct_light(point, bsdf);
     return scatter(point, bsdf);
@@ -113,6 +114,7 @@ class Walk {
 
   void add_crossed_lights(float end) {
     choice_.tree().visit_crossed(ray_, end, [&](std::size_t i) {
+      if (scene_.lights[i]->object() >= 0) return;  // counted where the surface is hit
       const float t = scene_.lights[i]->intersect(ray_);
       if (!(t < end)) return;
       Ray whole = ray_;  // from the last vertex: surfaces passed in between do not matter to the pdf
@@ -120,6 +122,23 @@ class Walk {
       sum_ += throughput_ * scene_.lights[i]->emitted(ray_, t) *
               weight_met(i, scene_.lights[i]->pdf_hit(whole, travelled_ + t));
     });
+  }
+
+  // The weight of what a glowing surface sends: of the light that it is, if it is one.
+  float weight_of_surface(const SurfaceHit& hit) const {
+    constexpr float tolerance = 1e-3f;  // of the distance, between the hit and the light's own triangle
+    if (last_pdf_ == 0 || hit.object < 0) return 1;
+    float nearest = tolerance * hit.t, t_nearest = 0;
+    std::size_t found = scene_.lights.size();
+    choice_.tree().visit_crossed(ray_, hit.t * (1 + tolerance), [&](std::size_t i) {
+      if (scene_.lights[i]->object() != hit.object) return;
+      const float t = scene_.lights[i]->intersect(ray_), off = std::abs(t - hit.t);
+      if (off < nearest) nearest = off, t_nearest = t, found = i;
+    });
+    if (found == scene_.lights.size()) return 1;
+    Ray whole = ray_;
+    whole.origin = last_vertex_.position;
+    return weight_met(found, scene_.lights[found]->pdf_hit(whole, travelled_ + t_nearest));
   }
 
   void add_direct_light(const ShadingPoint& point, const Bsdf& bsdf) {
@@ -195,7 +214,7 @@ class Walk {
   float last_pdf_ = 0;    // 0: it comes from the camera
   float travelled_ = 0;   // from there to the ray's origin, through transparent surfaces
   Spectrum throughput_{1, 1, 1};
-  float entered_ = 1;    // radiance is larger by this in the glass around the ray
+  float entered_ = 1;  // radiance is larger by this in the glass around the ray
   Spectrum sum_;
   int depth_ = 0;
   int passes_ = 0;

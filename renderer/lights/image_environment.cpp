@@ -1,23 +1,15 @@
 // image: light from all sides as in a panoramic photograph (a lat-long EXR or HDR file), sampled by its brightness.
 //
 // The image's middle looks towards -z, its right quarter towards +x, its top row is up; `rotation` turns it around the
-// vertical, counter-clockwise seen from above. A relative `file` is looked for beside the scene file.
+// vertical, counter-clockwise seen from above. `file` stands in the folder of the scene file or below it.
 #include "renderer/image/image.h"
 #include "renderer/lights/distribution_2d.h"
+#include "renderer/scene/asset_path.h"
 #include "renderer/scene/interfaces.h"
 #include "renderer/scene/warps.h"
 
-#include <filesystem>
-
 namespace meristem {
 namespace {
-
-// The file as seen from the folder of the scene file.
-std::string beside_scene(const Location& scene, const std::string& file) {
-  const std::filesystem::path path(file);
-  if (path.is_absolute() || !scene.source) return file;
-  return (std::filesystem::path(scene.source->name).parent_path() / path).string();
-}
 
 class ImageEnvironment : public Light {
  public:
@@ -61,7 +53,9 @@ class ImageEnvironment : public Light {
     width_ = height_ = 1;
     texels_ = {Spectrum{}};
     try {
-      const Image image = read_image(beside_scene(params.location(), file));
+      const auto path = asset_path(params, "file", file);
+      if (!path) return;
+      const Image image = read_image(*path);
       if (image.width < 1 || image.height < 1 || image.channels < 1) {
         params.error("file", "the image has no pixels");
         return;

@@ -4,6 +4,7 @@
 #include "geometry/base/sha256.h"
 #include "renderer/language/scene_file.h"
 #include "renderer/loading/all_components.h"
+#include "renderer/loading/glowing_objects.h"
 #include "renderer/loading/load_settings.h"
 #include "renderer/loading/load_world.h"
 
@@ -45,6 +46,7 @@ class SceneBuilder {
     std::vector<WorldObject> world = build_objects(models, objects, context);
     diagnostics_.throw_if_errors();
 
+    add_glowing_objects(world, *scene_);
     const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
     scene_->intersector =
         make_world(std::move(world), {options_.expand, scene_->settings.budget_bytes, threads, options_.record});

@@ -2,7 +2,15 @@
 
 #include "geometry/base/check.h"
 
+#include <algorithm>
+
 namespace meristem {
+
+namespace {
+
+constexpr std::array<Vec3f, material_symbol_count + max_textures> no_values{};
+
+}  // namespace
 
 // The order here is that of MaterialValues.
 const Symbols& material_symbols() {
@@ -25,32 +33,32 @@ MaterialValues::MaterialValues(const ShadingPoint& point) {
   const SurfaceHit& hit = point.hit;
   if (hit.origin) key = hit.origin->key;
   const Vec3f key_value(uniform_float(scramble(key)));
-  values = {Vec3f(hit.u), Vec3f(hit.v), hit.position, hit.shading_normal, -point.wo, key_value};
+  const std::array<Vec3f, 6> first{Vec3f(hit.u), Vec3f(hit.v), hit.position, hit.shading_normal, -point.wo, key_value};
+  std::copy(first.begin(), first.end(), values.begin());
   for (int i = 0; i < max_growth_parameters; ++i)
     values[std::size_t(6 + i)] = Vec3f(hit.origin ? hit.origin->parameters[std::size_t(i)] : 0.f);
 }
 
-ScalarParameter::ScalarParameter(Params& params, const char* name, const char* fallback, float lower, float upper,
-                                 const char* doc)
-    : expression_(params.scalar_expression(name, fallback, material_symbols(), doc)), lower_(lower), upper_(upper) {
+ScalarParameter::ScalarParameter(Params& params, const Symbols& symbols, const char* name, const char* fallback,
+                                 float lower, float upper, const char* doc)
+    : expression_(params.scalar_expression(name, fallback, symbols, doc)), lower_(lower), upper_(upper) {
   CHECK(expression_, "no expression for \"{}\"", name);
   constant_ = expression_->is_constant();
-  if (constant_) value_ = clean(expression_->evaluate_scalar(std::array<Vec3f, material_symbol_count>{}));
+  if (constant_) value_ = clean(expression_->evaluate_scalar(no_values));
 }
 
-float ScalarParameter::at(const MaterialValues& v) const {
-  return constant_ ? value_ : clean(expression_->evaluate_scalar(v.values, v.key));
-}
+float ScalarParameter::at(const MaterialValues& v) const { return constant_ ? value_ : clean(v.scalar(*expression_)); }
 
-ColorParameter::ColorParameter(Params& params, const char* name, const char* fallback, float upper, const char* doc)
-    : expression_(params.vector_expression(name, fallback, material_symbols(), doc)), upper_(upper) {
+ColorParameter::ColorParameter(Params& params, const Symbols& symbols, const char* name, const char* fallback,
+                               float upper, const char* doc)
+    : expression_(params.vector_expression(name, fallback, symbols, doc)), upper_(upper) {
   CHECK(expression_, "no expression for \"{}\"", name);
   constant_ = expression_->is_constant();
-  if (constant_) value_ = clean(expression_->evaluate_vector(std::array<Vec3f, material_symbol_count>{}));
+  if (constant_) value_ = clean(expression_->evaluate_vector(no_values));
 }
 
 Spectrum ColorParameter::at(const MaterialValues& v) const {
-  return constant_ ? value_ : clean(expression_->evaluate_vector(v.values, v.key));
+  return constant_ ? value_ : clean(v.vector(*expression_));
 }
 
 Spectrum ColorParameter::clean(Vec3f c) const {

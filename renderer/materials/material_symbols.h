@@ -5,7 +5,8 @@
 //   p0 .. p7   parameters of the symbol that the face had when growth made it
 //   key        a random number in [0, 1) of that face; rand() gives more of them
 //
-// Immutable after construction; any thread. A parameter that is constant costs nothing at a hit.
+// A material may add textures of its own. Immutable after construction; any thread. A parameter that is constant costs
+// nothing at a hit.
 #pragma once
 
 #include "geometry/fields/expression.h"
@@ -16,20 +17,31 @@
 namespace meristem {
 
 constexpr int material_symbol_count = 6 + max_growth_parameters;
+constexpr int max_textures = 8;  // of one material; their colours follow (material_textures.h)
 
 const Symbols& material_symbols();
 
 // The values of the symbols at one hit, as expressions take them.
 struct MaterialValues {
   explicit MaterialValues(const ShadingPoint& point);
-  std::array<Vec3f, material_symbol_count> values;
-  Key key = 0;  // of the grown face
+  std::array<Vec3f, material_symbol_count + max_textures> values;
+  int count = material_symbol_count;  // of the values that there are
+  Key key = 0;                        // of the grown face
+
+  float scalar(const Expression& e) const { return e.evaluate_scalar(used(), key); }
+  Vec3f vector(const Expression& e) const { return e.evaluate_vector(used(), key); }
+
+ private:
+  std::span<const Vec3f> used() const { return {values.data(), std::size_t(count)}; }
 };
 
 // A scalar parameter, clamped to a range. What is not a number becomes the range's lower end.
 class ScalarParameter {
  public:
-  ScalarParameter(Params& params, const char* name, const char* fallback, float lower, float upper, const char* doc);
+  ScalarParameter(Params& params, const Symbols& symbols, const char* name, const char* fallback, float lower,
+                  float upper, const char* doc);
+  ScalarParameter(Params& params, const char* name, const char* fallback, float lower, float upper, const char* doc)
+      : ScalarParameter(params, material_symbols(), name, fallback, lower, upper, doc) {}
   float at(const MaterialValues& values) const;
   bool is_constant() const { return constant_; }
 
@@ -45,7 +57,10 @@ class ScalarParameter {
 // A colour parameter; each channel clamped as a scalar is.
 class ColorParameter {
  public:
-  ColorParameter(Params& params, const char* name, const char* fallback, float upper, const char* doc);
+  ColorParameter(Params& params, const Symbols& symbols, const char* name, const char* fallback, float upper,
+                 const char* doc);
+  ColorParameter(Params& params, const char* name, const char* fallback, float upper, const char* doc)
+      : ColorParameter(params, material_symbols(), name, fallback, upper, doc) {}
   Spectrum at(const MaterialValues& values) const;
 
  private:

@@ -2,7 +2,7 @@
 // light shines through.
 //
 // OpenPBR Surface 1.1 (Academy Software Foundation 2024) under its parameter names; every one is an expression over the
-// symbols of material_symbols.h. What differs:
+// symbols of material_symbols.h and the material's textures. What differs:
 //  - base_weight dims the diffuse base and the metal alike;
 //  - subsurface is an approximation: without geometry_thin_walled a diffuse reflection of its colour, so light does not
 //    travel below the surface;
@@ -19,7 +19,7 @@
 #include "renderer/materials/fuzz.h"
 #include "renderer/materials/ggx.h"
 #include "renderer/materials/ggx_albedo.h"
-#include "renderer/materials/material_symbols.h"
+#include "renderer/materials/material_textures.h"
 
 namespace meristem {
 namespace {
@@ -29,30 +29,42 @@ constexpr float any = 1e6f;
 class OpenPbr : public Material {
  public:
   explicit OpenPbr(Params& p)
-      : base_weight_(p, "base_weight", "1", 0, 1, "multiplies base_color"),
-        base_color_(p, "base_color", "0.8", 1, "colour of the diffuse base; of metal, seen face on"),
-        metalness_(p, "base_metalness", "0", 0, 1, "0: dielectric over a diffuse base; 1: metal"),
-        diffuse_roughness_(p, "base_diffuse_roughness", "0", 0, 1, "0: Lambert; 1: flat, like dust or the moon"),
-        specular_weight_(p, "specular_weight", "1", 0, any, "strength of the reflection; 0: none"),
-        specular_color_(p, "specular_color", "1", 1, "tint of the reflection; of metal, near its edges"),
-        specular_roughness_(p, "specular_roughness", "0.3", 0, 1, "0: mirror; 1: dull"),
-        specular_ior_(p, "specular_ior", "1.5", 1, 4, "index of refraction of the dielectric"),
-        transmission_weight_(p, "transmission_weight", "0", 0, 1, "how much of the dielectric's base is glass"),
-        transmission_color_(p, "transmission_color", "1", 1, "colour of light that has crossed the glass"),
-        transmission_depth_(p, "transmission_depth", "0", 0, any, "metres of glass that give that colour; 0: any"),
-        subsurface_weight_(p, "subsurface_weight", "0", 0, 1, "how much of the diffuse base is subsurface"),
-        subsurface_color_(p, "subsurface_color", "0.8", 1, "colour of the subsurface"),
-        anisotropy_(p, "subsurface_scatter_anisotropy", "0", -1, 1, "of thin walls: -1 reflects, 1 transmits"),
-        coat_weight_(p, "coat_weight", "0", 0, 1, "how much of the surface has a clear coat"),
-        coat_color_(p, "coat_color", "1", 1, "tint of what is seen through the coat"),
-        coat_roughness_(p, "coat_roughness", "0", 0, 1, "of the coat; 0: mirror"),
-        coat_ior_(p, "coat_ior", "1.6", 1, 4, "index of refraction of the coat"),
-        fuzz_weight_(p, "fuzz_weight", "0", 0, 1, "how much of the surface has fuzz: dust, velvet, peach skin"),
-        fuzz_color_(p, "fuzz_color", "1", 1, "colour of the fuzz"),
-        fuzz_roughness_(p, "fuzz_roughness", "0.5", fuzz::min_roughness, 1, "0: only the rim shines; 1: all around"),
-        emission_luminance_(p, "emission_luminance", "0", 0, any, "radiance of its own light"),
-        emission_color_(p, "emission_color", "1", any, "colour of its own light"),
-        opacity_(p, "geometry_opacity", "1", 0, 1, "the part of the surface that is there"),
+      : textures_(p),
+        base_weight_(p, textures_.symbols(), "base_weight", "1", 0, 1, "multiplies base_color"),
+        base_color_(p, textures_.symbols(), "base_color", "0.8", 1,
+                    "colour of the diffuse base; of metal, seen face on"),
+        metalness_(p, textures_.symbols(), "base_metalness", "0", 0, 1, "0: dielectric over a diffuse base; 1: metal"),
+        diffuse_roughness_(p, textures_.symbols(), "base_diffuse_roughness", "0", 0, 1,
+                           "0: Lambert; 1: flat, like dust or the moon"),
+        specular_weight_(p, textures_.symbols(), "specular_weight", "1", 0, any, "strength of the reflection; 0: none"),
+        specular_color_(p, textures_.symbols(), "specular_color", "1", 1,
+                        "tint of the reflection; of metal, near its edges"),
+        specular_roughness_(p, textures_.symbols(), "specular_roughness", "0.3", 0, 1, "0: mirror; 1: dull"),
+        specular_ior_(p, textures_.symbols(), "specular_ior", "1.5", 1, 4, "index of refraction of the dielectric"),
+        transmission_weight_(p, textures_.symbols(), "transmission_weight", "0", 0, 1,
+                             "how much of the dielectric's base is glass"),
+        transmission_color_(p, textures_.symbols(), "transmission_color", "1", 1,
+                            "colour of light that has crossed the glass"),
+        transmission_depth_(p, textures_.symbols(), "transmission_depth", "0", 0, any,
+                            "metres of glass that give that colour; 0: any"),
+        subsurface_weight_(p, textures_.symbols(), "subsurface_weight", "0", 0, 1,
+                           "how much of the diffuse base is subsurface"),
+        subsurface_color_(p, textures_.symbols(), "subsurface_color", "0.8", 1, "colour of the subsurface"),
+        anisotropy_(p, textures_.symbols(), "subsurface_scatter_anisotropy", "0", -1, 1,
+                    "of thin walls: -1 reflects, 1 transmits"),
+        coat_weight_(p, textures_.symbols(), "coat_weight", "0", 0, 1, "how much of the surface has a clear coat"),
+        coat_color_(p, textures_.symbols(), "coat_color", "1", 1, "tint of what is seen through the coat"),
+        coat_roughness_(p, textures_.symbols(), "coat_roughness", "0", 0, 1, "of the coat; 0: mirror"),
+        coat_ior_(p, textures_.symbols(), "coat_ior", "1.6", 1, 4, "index of refraction of the coat"),
+        fuzz_weight_(p, textures_.symbols(), "fuzz_weight", "0", 0, 1,
+                     "how much of the surface has fuzz: dust, velvet, peach skin"),
+        fuzz_color_(p, textures_.symbols(), "fuzz_color", "1", 1, "colour of the fuzz"),
+        fuzz_roughness_(p, textures_.symbols(), "fuzz_roughness", "0.5", fuzz::min_roughness, 1,
+                        "0: only the rim shines; 1: all around"),
+        emission_luminance_(p, textures_.symbols(), "emission_luminance", "0", 0, any, "radiance of its own light"),
+        emission_color_(p, textures_.symbols(), "emission_color", "1", any, "colour of its own light"),
+        opacity_(p, textures_.symbols(), "geometry_opacity", "1", 0, 1, "the part of the surface that is there"),
+        bump_(p, textures_.symbols(), "geometry_bump", "0", -any, any, "height of fine relief in metres, shaded only"),
         thin_walled_(p.boolean("geometry_thin_walled", false, "a sheet without inside, like a leaf")) {}
 
   // Makes the tables that a hit will ask.
@@ -63,7 +75,7 @@ class OpenPbr : public Material {
   }
 
   void evaluate(const ShadingPoint& point, Bsdf& bsdf) const override {
-    const MaterialValues v(point);
+    const MaterialValues v = textures_.at(point);
     bsdf = Bsdf{};
     bsdf.opacity = opacity_.at(v);
     bsdf.emission = emission_color_.at(v) * emission_luminance_.at(v);
@@ -73,12 +85,43 @@ class OpenPbr : public Material {
     if (!is_zero(transmission_weight_)) set_glass(v, bsdf);
     if (!is_zero(fuzz_weight_)) set_fuzz(v, bsdf);
     if (!is_zero(coat_weight_)) set_coat(v, bsdf);
-    bsdf.set_frame(point);
+    if (bump_.is_constant()) return bsdf.set_frame(point);
+    ShadingPoint bumped = point;
+    bumped.hit.shading_normal = bumped_normal(point, bump_.at(v));
+    bsdf.set_frame(bumped);
+  }
+
+  bool may_emit() const override { return !is_zero(emission_luminance_); }
+  Spectrum emission(const ShadingPoint& point) const override {
+    const MaterialValues v = textures_.at(point);
+    return emission_color_.at(v) * (emission_luminance_.at(v) * opacity_.at(v));
   }
 
   bool may_be_transparent() const override { return !opacity_.is_constant() || opacity_.at(MaterialValues({})) < 1; }
 
  private:
+  // The normal of the surface raised by the bump: Blinn 1978, by differences over a step that is small in the picture.
+  Vec3f bumped_normal(const ShadingPoint& point, float height) const {
+    constexpr float part_of_distance = 5e-4f;
+    const Frame frame(point.hit.shading_normal);
+    const float step = std::max(part_of_distance * point.hit.t, 16 * max_component(point.hit.position_error));
+    auto slope = [&](Vec3f tangent) { return (bump_.at(textures_.at(moved(point, tangent * step))) - height) / step; };
+    const Vec3f normal = normalize(frame.n - frame.s * slope(frame.s) - frame.t * slope(frame.t));
+    return is_finite(normal) ? normal : frame.n;
+  }
+
+  // The point beside a hit, on the tangent plane, with the texture coordinates that it has there.
+  static ShadingPoint moved(const ShadingPoint& point, Vec3f by) {
+    ShadingPoint other = point;
+    other.hit.position += by;
+    const Vec3f du = point.hit.dpdu, dv = point.hit.dpdv;
+    const float uu = length_squared(du), uv = dot(du, dv), vv = length_squared(dv), determinant = uu * vv - uv * uv;
+    if (!(determinant > 0)) return other;
+    other.hit.u += (dot(by, du) * vv - dot(by, dv) * uv) / determinant;
+    other.hit.v += (dot(by, dv) * uu - dot(by, du) * uv) / determinant;
+    return other;
+  }
+
   void set_specular(const MaterialValues& v, Bsdf& bsdf) const {
     const float weight = specular_weight_.at(v), roughness = specular_roughness_.at(v);
     const Spectrum tint = specular_color_.at(v);
@@ -135,6 +178,7 @@ class OpenPbr : public Material {
 
   static bool is_zero(const ScalarParameter& p) { return p.is_constant() && p.at(MaterialValues({})) == 0; }
 
+  MaterialTextures textures_;
   ScalarParameter base_weight_;
   ColorParameter base_color_;
   ScalarParameter metalness_, diffuse_roughness_;
@@ -156,6 +200,7 @@ class OpenPbr : public Material {
   ScalarParameter emission_luminance_;
   ColorParameter emission_color_;
   ScalarParameter opacity_;
+  ScalarParameter bump_;
   bool thin_walled_;
 };
 

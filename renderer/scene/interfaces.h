@@ -97,6 +97,9 @@ class Light {
     (void)t;
     return 0;
   }
+  // A light that is the surface of an object (its index in SurfaceHit): a ray meets it by hitting the object and sees
+  // what the material emits; intersect() then tells which light it is. -1 for all others.
+  virtual int object() const { return -1; }
   // For choosing among lights: where one with a place stands and how it shines; none for an environment,
   virtual std::optional<LightBounds> bounds() const { return std::nullopt; }
   // whose luminance, integrated over all directions, is estimated.
@@ -128,6 +131,12 @@ class Material {
   // Called once before rendering, for what only rendering needs. May use all threads.
   virtual void prepare() {}
   virtual void evaluate(const ShadingPoint& point, Bsdf& bsdf) const = 0;
+  // Whether and what it emits: the part of evaluate()'s emission that is met on average, opacity included.
+  virtual bool may_emit() const { return false; }
+  virtual Spectrum emission(const ShadingPoint& point) const {
+    (void)point;
+    return {};
+  }
   // False if every hit is opaque (opacity 1): shadow rays then need not ask.
   virtual bool may_be_transparent() const { return false; }
 };

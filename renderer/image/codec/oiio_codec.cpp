@@ -1,5 +1,6 @@
 // The codec of image_codec.h upon OpenImageIO: the one place that includes it.
 #include "renderer/image/codec/memory_file.h"
+#include "renderer/image/codec/oiio_texture.h"
 #include "renderer/image/image_codec.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -127,15 +128,22 @@ void run_encoder(OIIO::ImageOutput& out, const std::string& name, const std::str
   check_success(out, out.close(), "write", path);
 }
 
+// Opens a file of a known format and within the limits.
+std::unique_ptr<OIIO::ImageInput> open_checked(const std::string& path, OIIO::ImageSpec& spec) {
+  std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::create(format_of_content(path));
+  if (!in) throw FileError(fmt::format("cannot read {}: OpenImageIO has no reader for it here", path));
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);  // else PNG values come multiplied by alpha, in display encoding
+  check_success(*in, in->open(path, spec, config), "read", path);
+  check_limits(spec, path);
+  return in;
+}
+
 class OiioCodec final : public ImageCodec {
  public:
   Image read(const std::string& path) const override {
-    const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::create(format_of_content(path));
-    if (!in) throw FileError(fmt::format("cannot read {}: OpenImageIO has no reader for it here", path));
-    OIIO::ImageSpec config, spec;
-    config.attribute("oiio:UnassociatedAlpha", 1);  // else PNG values come multiplied by alpha, in display encoding
-    check_success(*in, in->open(path, spec, config), "read", path);
-    check_limits(spec, path);
+    OIIO::ImageSpec spec;
+    const std::unique_ptr<OIIO::ImageInput> in = open_checked(path, spec);
     Image image{spec.width, spec.height, spec.nchannels, {}};
     image.pixels.resize(std::size_t(spec.width) * std::size_t(spec.height) * std::size_t(spec.nchannels));
     check_success(*in, in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()), "read",
@@ -160,6 +168,12 @@ class OiioCodec final : public ImageCodec {
     out->set_ioproxy(&memory);
     run_encoder(*out, path, path, spec, image.pixels.data());
     return std::move(memory.buffer());
+  }
+
+  std::unique_ptr<const Texture> open_texture(const std::string& path, const TextureOptions& options) const override {
+    OIIO::ImageSpec spec;
+    open_checked(path, spec);
+    return make_oiio_texture(path, options);
   }
 };
 

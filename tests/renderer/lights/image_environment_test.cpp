@@ -25,15 +25,16 @@ struct ImageEnvironmentTest : testing::Test {
   }
   ~ImageEnvironmentTest() override { std::remove(path.c_str()); }
   std::unique_ptr<Light> light(const std::string& more = "") const {
-    return make<Light>(register_image_environment, R"({ "file": ")" + path + "\"" + more + "}");
+    return make<Light>(register_image_environment, R"({ "file": ")" + name + "\"" + more + "}", scene);
   }
   static Vec3f direction_of(double x, double y) {  // texel coordinates
     const double angle = 2 * pi * (x / width - 0.5), polar = pi * y / height;
     return Vec3f(Vec3d{std::sin(polar) * std::sin(angle), std::cos(polar), -std::sin(polar) * std::cos(angle)});
   }
 
-  const std::string path =
-      testing::TempDir() + "panorama_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".exr";
+  const std::string name =
+      std::string("panorama_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".exr";
+  const std::string path = testing::TempDir() + name, scene = testing::TempDir() + "scene.jsonc";
 };
 
 Vec2f spread_pair(int i) {
@@ -72,6 +73,8 @@ TEST_F(ImageEnvironmentTest, PdfIntegratesToOneAndSamplesAgree) {
 
 TEST_F(ImageEnvironmentTest, MissingFilesAreErrorsOfTheScene) {
   EXPECT_THROW(make<Light>(register_image_environment, R"({ "file": "no/such/panorama.exr" })"), SceneErrors);
+  EXPECT_NO_THROW(light());
+  EXPECT_THROW(make<Light>(register_image_environment, R"({ "file": ")" + path + "\" }", scene), SceneErrors);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "renderer/image/image.h"
 #include "renderer/materials/bsdf.h"
 #include "renderer/materials/ggx.h"
 #include "renderer/materials/material_symbols.h"
@@ -74,6 +75,57 @@ TEST_F(OpenPbrTest, LeavesTransmitOnlyWhenThinWalled) {
   EXPECT_FLOAT_EQ(thin.diffuse.y, 0.5f * 0.2f + 0.25f * 0.8f);
   const Bsdf forward = bsdf("{" + leaf + R"(, "geometry_thin_walled": true, "subsurface_scatter_anisotropy": 1 })");
   EXPECT_FLOAT_EQ(forward.transmitted.y, 0.5f * 0.8f);
+}
+
+// A texture of two halves, black and white, beside the scene; and what expressions make of it.
+TEST_F(OpenPbrTest, TexturesAreVariables) {
+  const std::string folder = testing::TempDir(), name = "halves.exr";
+  write_image(folder + name, Image{2, 1, 1, {0, 1}});
+  auto color_at = [&](float u, const std::string& more, const std::string& expression) {
+    point.hit.u = u;
+    Bsdf result;
+    make<Material>(register_openpbr,
+                   R"({ "textures": { "half": { "file": ")" + name + "\"" + more + R"( } }, "base_color": ")" +
+                       expression + "\" }",
+                   folder + "scene.jsonc")
+        ->evaluate(point, result);
+    return result.diffuse;
+  };
+  EXPECT_EQ(color_at(0.25f, "", "half"), Spectrum{});
+  EXPECT_EQ(color_at(0.75f, "", "half * [1, 0.5, 0.25]"), (Spectrum{1, 0.5f, 0.25f}));
+  EXPECT_EQ(color_at(0.25f, R"(, "u": "u + 0.5")", "mix(0.5, half, 0.5)"), Spectrum(0.75f));
+  EXPECT_EQ(color_at(0, R"(, "u": "P[0] - 0.25")", "half"), Spectrum(1.f));
+  EXPECT_THROW(color_at(0, R"(, "wrap": "tile")", "half"), SceneErrors);
+  EXPECT_THROW(color_at(0, "", "halv"), SceneErrors);
+  std::remove((folder + name).c_str());
+}
+
+TEST_F(OpenPbrTest, TexturesStayBesideTheScene) {
+  for (const char* file : {"/etc/hostname", "../a.png", "no/such.png"})
+    EXPECT_THROW(
+        make<Material>(register_openpbr, R"({ "textures": { "a": { "file": ")" + std::string(file) + "\" } } }"),
+        SceneErrors)
+        << file;
+  EXPECT_THROW(make<Material>(register_openpbr, R"({ "textures": { "key": { "file": "a.png" } } })"), SceneErrors);
+}
+
+// A slope of 1 along x turns the normal by 45 degrees, also if the height is a function of u or v.
+TEST_F(OpenPbrTest, BumpTiltsTheNormal) {
+  point.hit.t = 2;
+  point.hit.dpdu = {0.5f, 0, 0};  // u runs twice as fast as x, v as -z
+  point.hit.dpdv = {0, 0, -1};
+  const Vec3f wo = normalize(Vec3f{0.1f, 1, 0.2f});
+  point.wo = wo;
+  auto brightness = [&](const std::string& text, Vec3f wi) {
+    return bsdf(R"({ "specular_weight": 0, "base_color": 1, "geometry_bump": ")" + text + "\" }").evaluate(wo, wi).x *
+           pi_f;
+  };
+  const Vec3f along_x = normalize(Vec3f{-1, 1, 0}), along_z = normalize(Vec3f{0, 1, -1});
+  const float terminator = 1;                                   // the geometric horizon is far
+  EXPECT_NEAR(brightness("P[0]", along_x), terminator, 0.05f);  // rising along x, it faces -x
+  EXPECT_NEAR(brightness("0.5*u", along_x), terminator, 0.05f);
+  EXPECT_NEAR(brightness("-v", along_z), terminator, 0.05f);
+  EXPECT_NEAR(brightness("0.001", along_x), std::sqrt(0.5f), 0.01f);
 }
 
 TEST_F(OpenPbrTest, GlassTintsByItsRootOrByDepth) {

@@ -1,0 +1,17 @@
+// Objects whose material glows become lights that surfaces ask, triangle by triangle, where their faces are few.
+#pragma once
+
+#include "geometry/accel/world.h"
+#include "renderer/scene/scene.h"
+
+#include <vector>
+
+namespace meristem {
+
+// Objects of up to this many final faces; light of larger ones is found by bounces alone.
+constexpr double max_glowing_faces = 4096;
+
+// Appends a light for each triangle of the objects' glowing faces. Expands those objects whole.
+void add_glowing_objects(const std::vector<WorldObject>& objects, Scene& scene);
+
+}  // namespace meristem
