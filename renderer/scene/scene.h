@@ -3,7 +3,7 @@
 
 #include "renderer/scene/interfaces.h"
 
-#include <map>
+#include <future>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,9 +30,12 @@ class Scene {
   std::unique_ptr<Intersector> intersector;
   RenderSettings settings;
 
-  // Makes what rendering needs and checking does not: tables of materials and lights. Once, before the first ray.
+  // Makes what rendering needs and checking does not: tables of materials and lights. Once, before the first ray. The
+  // materials go on with theirs while the first rays are under way.
   void prepare() {
-    for (const auto& material : materials) material->prepare();
+    preparing_ = std::async(std::launch::async, [this] {
+      for (const auto& material : materials) material->prepare();
+    });
     for (const auto& light : lights) light->prepare();
     integrator->prepare(*this);
   }
@@ -41,6 +44,9 @@ class Scene {
     const int i = hit.origin ? hit.origin->material : 0;
     return *materials[i >= 0 && std::size_t(i) < materials.size() ? std::size_t(i) : 0];
   }
+
+ private:
+  std::future<void> preparing_;  // last: it ends before what it prepares
 };
 
 }  // namespace meristem
