@@ -41,11 +41,20 @@ inline void turn_about(Affine3d& f, Vec3d axis, double angle) {
   f.y = turn.vector(f.y);
   f.z = turn.vector(f.z);
 }
-// The least turn that leads z to the unit vector `to`.
+// About the vertical.
+inline void turn_about_up(Affine3d& f, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  for (Vec3d* v : {&f.x, &f.y, &f.z}) *v = {v->x * c + v->z * s, v->y, v->z * c - v->x * s};
+}
+// The least turn that leads z to the unit vector `to`, which does not point against it.
 inline void lead_to(Affine3d& f, Vec3d to) {
-  const Vec3d axis = cross(f.z, to);
-  const double sine = length(axis);
-  if (sine > 1e-12) turn_about(f, axis / sine, std::atan2(sine, dot(f.z, to)));
+  const Vec3d axis = cross(f.z, to);  // as long as the sine
+  const double cosine = dot(f.z, to);
+  if (1 + cosine < 1e-9) return;
+  const auto turn = [&](Vec3d v) { return v * cosine + cross(axis, v) + axis * (dot(axis, v) / (1 + cosine)); };
+  f.x = turn(f.x);
+  f.y = turn(f.y);
+  f.z = to;
 }
 
 // The angle to the vertical, radians.

@@ -17,6 +17,7 @@ class PlantMesh {
   PlantMesh(Mesh& mesh, const Quantum& quantum, bool uv_by_corner, Key step_key)
       : mesh_(mesh), quantum_(quantum), uv_by_corner_(uv_by_corner), step_key_(step_key) {}
 
+  bool has_uv_by_corner() const { return uv_by_corner_; }
   // From now on keys come from this bud.
   void begin_bud(Key bud) {
     bud_ = hash_keys(bud, step_key_);

@@ -168,7 +168,7 @@ std::vector<Stem::Path> Stem::split(const Path& path, int segment, int clones) c
     next.segment = segment;
     turn_about_x(next.frame, to_radians(lean));
     const double turn = clones == 1 ? side * between * (j - 0.5) : 360.0 * j / (clones + 1);
-    turn_about(next.frame, plant_up, to_radians(turn));
+    turn_about_up(next.frame, to_radians(turn));
     if (remaining > 0) next.correction -= to_radians(lean) / remaining;
     next.split_rate *= 0.5;
     next.share /= clones + 1;

@@ -21,13 +21,10 @@ void parameters_of(const StemBud& bud, FaceOrigin& origin) {
   origin.parameters = {float(bud.length), float(bud.radius), float(bud.children), float(bud.inset), float(bud.scale)};
 }
 
-double azimuth(Vec3d v) { return std::atan2(-v.z, v.x); }
-
 // Turns a leaf towards the light: outwards and upwards (section 4.9 of the paper).
 void turn_to_light(Affine3d& frame, double bend) {
-  double turn = azimuth(frame.origin) - azimuth(frame.y);
-  turn -= 2 * pi * std::floor(turn / (2 * pi) + 0.5);
-  turn_about(frame, plant_up, bend * turn);
+  const Vec3d o = frame.origin, n = frame.y;
+  turn_about_up(frame, bend * std::atan2(n.z * o.x - n.x * o.z, n.x * o.x + n.z * o.z));
   const double tilt = std::acos(std::clamp(dot(frame.y, plant_up), -1.0, 1.0));
   turn_about_x(frame, dot(frame.z, plant_up) < 0 ? -bend * tilt : bend * tilt);
 }
@@ -76,6 +73,7 @@ class WeberPennStep::Application {
   }
 
   void run() {
+    reserve();
     out_.owned_faces = 0;
     out_.rings.clear();
     for (std::uint32_t f = 0; f < in_.mesh.face_count(); ++f) {
@@ -94,6 +92,24 @@ class WeberPennStep::Application {
 
  private:
   static constexpr std::uint32_t none = ~0u;
+
+  // Room for what many buds become, by their expected size.
+  void reserve() {
+    const auto is_bud = [&](std::uint32_t origin) { return step_.grows(in_.mesh.origins[origin].symbol); };
+    const auto buds = std::count_if(in_.mesh.face_origins.begin(), in_.mesh.face_origins.end(), is_bud);
+    constexpr std::ptrdiff_t many = 16;
+    if (buds < many) return;
+    const auto faces = in_.mesh.face_count() + std::size_t(buds) * step_.max_children(3);
+    Mesh& o = out_.mesh;
+    o.face_starts.reserve(faces);
+    o.face_keys.reserve(faces);
+    o.face_origins.reserve(faces);
+    o.corner_vertices.reserve(4 * faces);
+    if (grown_.has_uv_by_corner()) o.corner_uv.reserve(4 * faces);
+    o.positions.reserve(2 * faces);
+    o.vertex_keys.reserve(2 * faces);
+    o.origins.reserve(faces / 2);
+  }
 
   std::uint32_t kept_vertex(std::uint32_t v) {
     const Mesh& m = in_.mesh;
