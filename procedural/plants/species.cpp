@@ -1,6 +1,6 @@
-// The published species: the appendix of Weber and Penn 1995, figure by figure. bend_v and leaf_bend are not in the
-// paper's tables: the first is ours, so that stems do not bend in one plane alone, the second has the value of the
-// text's pictures.
+// The published species: the appendix of Weber and Penn 1995, figure by figure, and some of our own. bend_v and
+// leaf_bend are not in the paper's tables: the first is ours, so that stems do not bend in one plane alone, the second
+// has the value of the text's pictures.
 #include "procedural/plants/weber_penn_parameters.h"
 
 namespace meristem {
@@ -168,6 +168,122 @@ WeberPennParameters california_black_oak() {
   return p;
 }
 
+// Those below are our own, by eye.
+
+WeberPennParameters norway_spruce() {
+  WeberPennParameters p;
+  p.shape = 0, p.base_size = 0.06, p.levels = 3;
+  p.scale = 22, p.scale_v = 4;
+  p.ratio = 0.015, p.ratio_power = 1.1;
+  p.lobes = 3, p.lobe_depth = 0.05, p.flare = 0.6;
+  p.level[0] = {.length = 1, .taper = 1, .curve_res = 6, .curve_v = 8, .bend_v = 8};
+  p.level[1] = {.length = 0.24,
+                .length_v = 0.02,
+                .taper = 1,
+                .curve_res = 5,
+                .curve = -45,
+                .curve_v = 25,
+                .bend_v = 15,
+                .down_angle = 85,
+                .down_angle_v = -32,
+                .rotate = 140,
+                .rotate_v = 12,
+                .branches = 160};
+  p.level[2] = {.length = 0.34,
+                .length_v = 0.06,
+                .taper = 1,
+                .curve_res = 3,
+                .curve = 15,
+                .curve_v = 20,
+                .bend_v = 15,
+                .down_angle = 58,
+                .down_angle_v = 8,
+                .rotate = -100,
+                .rotate_v = 14,
+                .branches = 44};
+  p.level[3] = {.length = 0, .curve_res = 1, .down_angle = 50, .down_angle_v = 12, .rotate = 140, .branches = 0};
+  p.leaves = 56, p.leaf_shape = 6, p.leaf_scale = 0.1, p.leaf_scale_x = 0.18, p.leaf_bend = 0;
+  p.attraction_up = -0.3;
+  return p;
+}
+
+WeberPennParameters lombardy_poplar() {
+  WeberPennParameters p;
+  p.shape = 5, p.base_size = 0.03, p.levels = 3;
+  p.scale = 24, p.scale_v = 3;
+  p.ratio = 0.014, p.ratio_power = 1.3;
+  p.lobes = 5, p.lobe_depth = 0.08, p.flare = 0.8;
+  p.level[0] = {.length = 1, .taper = 1, .curve_res = 6, .curve_v = 15, .bend_v = 10};
+  p.level[1] = {.length = 0.26,
+                .length_v = 0.04,
+                .taper = 1,
+                .curve_res = 5,
+                .curve = -16,
+                .curve_v = 30,
+                .bend_v = 15,
+                .down_angle = 30,
+                .down_angle_v = -8,
+                .rotate = 140,
+                .rotate_v = 20,
+                .branches = 75};
+  p.level[2] = {.length = 0.4,
+                .length_v = 0.05,
+                .taper = 1,
+                .curve_res = 3,
+                .curve = -20,
+                .curve_v = 40,
+                .bend_v = 20,
+                .down_angle = 35,
+                .down_angle_v = 10,
+                .rotate = 140,
+                .rotate_v = 20,
+                .branches = 30};
+  p.level[3] = {.length = 0, .curve_res = 1, .down_angle = 50, .down_angle_v = 15, .rotate = 140, .branches = 0};
+  p.leaves = 30, p.leaf_shape = 1, p.leaf_scale = 0.12, p.leaf_scale_x = 0.95;
+  p.attraction_up = 1;
+  return p;
+}
+
+WeberPennParameters silver_birch() {
+  WeberPennParameters p;
+  p.shape = 7, p.base_size = 0.2, p.levels = 3;
+  p.scale = 17, p.scale_v = 3;
+  p.ratio = 0.012, p.ratio_power = 1.4;
+  p.lobes = 4, p.lobe_depth = 0.04, p.flare = 0.5;
+  p.level[0] = {.length = 1, .taper = 1, .curve_res = 8, .curve_v = 40, .bend_v = 25};
+  p.level[1] = {.length = 0.36,
+                .length_v = 0.05,
+                .taper = 1,
+                .seg_splits = 0.1,
+                .split_angle = 25,
+                .split_angle_v = 10,
+                .curve_res = 8,
+                .curve = -40,
+                .curve_back = 70,
+                .curve_v = 60,
+                .bend_v = 40,
+                .down_angle = 52,
+                .down_angle_v = -25,
+                .rotate = 140,
+                .rotate_v = 25,
+                .branches = 38};
+  p.level[2] = {.length = 0.45,
+                .length_v = 0.1,
+                .taper = 1,
+                .curve_res = 5,
+                .curve_v = 30,
+                .bend_v = 20,
+                .down_angle = 55,
+                .down_angle_v = 15,
+                .rotate = 140,
+                .rotate_v = 25,
+                .branches = 42};
+  p.level[3] = {.length = 0, .curve_res = 1, .down_angle = 55, .down_angle_v = 20, .rotate = 140, .branches = 0};
+  p.leaves = 40, p.leaf_shape = 1, p.leaf_scale = 0.095, p.leaf_scale_x = 0.75;
+  p.attraction_up = -2.2;
+  return p;
+}
+
 }  // namespace
 
 std::span<const PlantSpecies> plant_species() {
@@ -176,6 +292,9 @@ std::span<const PlantSpecies> plant_species() {
       {"black_tupelo", "Nyssa sylvatica, 23 m", black_tupelo()},
       {"weeping_willow", "Salix babylonica, 15 m", weeping_willow()},
       {"california_black_oak", "Quercus kelloggii, 10 m", california_black_oak()},
+      {"norway_spruce", "Picea abies, 22 m", norway_spruce()},
+      {"lombardy_poplar", "Populus nigra 'Italica', 24 m", lombardy_poplar()},
+      {"silver_birch", "Betula pendula, 17 m", silver_birch()},
   };
   return species;
 }
