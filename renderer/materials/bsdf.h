@@ -47,14 +47,14 @@ struct Bsdf {
   Spectrum absorption{};               // of the glass inside, per metre
   bool thin_walled = false;            // glass without inside
   float coat = 0;                      // [0, 1]
-  float coat_alpha = 1e-3f;
-  float coat_f0 = 0.053f;       // [0, ggx::max_f0]
-  Spectrum coat_tint{1, 1, 1};  // of light that goes in and out again straight
-  float fuzz = 0;               // [0, 1]
-  Spectrum fuzz_color{1, 1, 1};
-  float fuzz_roughness = 0.5f;  // [fuzz::min_roughness, 1]
-  float opacity = 1;            // probability that light meets the surface at all
-  Spectrum emission{};          // radiance, all directions, both sides
+  float coat_alpha = 1e-3f;            // GGX, as alpha
+  float coat_f0 = 0.053f;              // [0, ggx::max_f0]
+  Spectrum coat_tint{1, 1, 1};         // of light that goes in and out again straight
+  float fuzz = 0;                      // [0, 1]
+  Spectrum fuzz_color{1, 1, 1};        // multiplies its reflection
+  float fuzz_roughness = 0.5f;         // [fuzz::min_roughness, 1]
+  float opacity = 1;                   // probability that light meets the surface at all
+  Spectrum emission{};                 // radiance, all directions, both sides
 
   // Sets the normals for light that leaves towards point.wo, and what follows from the other parameters: so after them.
   void set_frame(const ShadingPoint& point);

@@ -1,0 +1,107 @@
+// The sampling half of Bsdf; bsdf.cpp is its scattering.
+#include "renderer/materials/bsdf.h"
+#include "renderer/materials/ggx.h"
+#include "renderer/materials/ggx_albedo.h"
+
+namespace meristem {
+
+// Lobes are picked by their albedos, estimated.
+Bsdf::Shares Bsdf::shares(float cosine) const {
+  const float base = 1 - metalness;
+  const float mirrored = f0 > 0 ? ggx::dielectric_albedo(cosine, alpha, f0) : 0;
+  Shares s;
+  s.specular = base * (1 - glass) * mirrored * luminance(dielectric_tint);
+  s.diffuse = base * (1 - glass) * (1 - mirrored) * luminance(diffuse);
+  s.transmitted = base * (1 - glass) * (1 - mirrored) * luminance(transmitted);
+  s.glass = base * glass * std::max(luminance(glass_tint), mirrored);
+  if (metalness > 0) {
+    const float lost = 1 - ggx::white_albedo(cosine, alpha), f = metalness * luminance(metal_fresnel(cosine));
+    s.specular += f * (1 - lost);
+    s.diffuse += f * lost;
+  }
+  if (layered()) {
+    const float passed = passed_by_layers(cosine);
+    s.specular *= passed, s.diffuse *= passed, s.transmitted *= passed, s.glass *= passed;
+    s.coat = coat_albedo(cosine) * (1 - fuzz_albedo(cosine));
+    s.fuzz = fuzz_albedo(cosine) * luminance(fuzz_color);
+  }
+  const float scale = s.sum() > 0 ? 1 / s.sum() : 0;
+  return {s.specular * scale, s.diffuse * scale, s.transmitted * scale,
+          s.glass * scale,    s.coat * scale,    s.fuzz * scale};
+}
+
+float Bsdf::local_pdf(Vec3f wo, Vec3f wi) const {
+  const Shares s = shares(wo.z);
+  if (wi.z < 0) {
+    float density = s.transmitted * -wi.z / pi_f;
+    if (s.glass > 0 && thin_walled) {
+      const Vec3f mirrored{wi.x, wi.y, -wi.z};
+      const float f = glass_fresnel(dot(wo, normalize(wo + mirrored)));
+      density += s.glass * (1 - f) * ggx::reflected_pdf(wo, mirrored, alpha);
+    } else if (s.glass > 0) {
+      const float f = glass_fresnel(dot(wo, ggx::refracting_normal(wo, wi, eta())));
+      density += s.glass * (1 - f) * ggx::refracted_pdf(wo, wi, alpha, eta());
+    }
+    return density;
+  }
+  float mirror = s.specular;
+  if (s.glass > 0) mirror += s.glass * glass_fresnel(dot(wo, normalize(wo + wi)));
+  float density = mirror * ggx::reflected_pdf(wo, wi, alpha) + (s.diffuse + s.fuzz) * wi.z / pi_f;
+  if (s.coat > 0) density += s.coat * ggx::reflected_pdf(wo, wi, coat_alpha);
+  return density;
+}
+
+float Bsdf::pdf(Vec3f wo_world, Vec3f wi_world) const {
+  const Vec3f wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
+  if (!same_side(wo_world) || !(wo.z > 0)) return 0;
+  return wi.z != 0 && same_side(wi_world) == (wi.z > 0) ? local_pdf(wo, wi) : 0;
+}
+
+// One microfacet reflects or refracts, by its Fresnel term.
+Bsdf::Choice Bsdf::choose_glass(Vec3f wo, Vec2f random, float choice) const {
+  const Vec3f h = ggx::sample_visible_normal(wo, alpha, random), mirrored = h * (2 * dot(wo, h)) - wo;
+  if (choice < glass_fresnel(dot(wo, h))) return {mirrored, false};
+  if (thin_walled) return {{mirrored.x, mirrored.y, -mirrored.z}, true};
+  return {ggx::refract(wo, h, eta()), true};
+}
+
+Bsdf::Choice Bsdf::choose(Vec3f wo, Vec2f random, float choice) const {
+  const Shares s = shares(wo.z);
+  auto mirrored = [&](float roughness) {
+    const Vec3f h = ggx::sample_visible_normal(wo, roughness, random);
+    return h * (2 * dot(wo, h)) - wo;
+  };
+  // Each lobe takes its share of [0, 1) and passes on the rest
+  auto picked = [&](float share) {
+    if (choice < share) return true;
+    choice -= share;
+    return false;
+  };
+  if (picked(s.specular)) return {mirrored(alpha), false};
+  if (picked(s.glass)) return choose_glass(wo, random, choice / s.glass);
+  if (picked(s.coat)) return {mirrored(coat_alpha), false};
+  const Vec3f wi = cosine_hemisphere(random);
+  if (picked(s.diffuse + s.fuzz) || !(s.transmitted > 0)) return {wi, false};
+  return {{wi.x, wi.y, -wi.z}, true};
+}
+
+BsdfSample Bsdf::sample(Vec3f wo_world, Vec2f random, float choice) const {
+  const Vec3f wo = frame_.to_local(wo_world);
+  BsdfSample result;
+  if (!same_side(wo_world) || !(wo.z > 0)) return result;
+  const Choice chosen = choose(wo, random, choice);
+  if (chosen.wi == Vec3f{}) return result;
+  result.is_transmission = chosen.transmission;
+  result.wi = normalize(frame_.to_world(chosen.wi));
+  if (same_side(result.wi) == result.is_transmission) return result;
+  const float density = pdf(wo_world, result.wi);
+  if (!(density > 0)) return result;
+  const Spectrum weight = evaluate(wo_world, result.wi) / density;
+  if (!is_finite(weight)) return result;
+  if (result.is_transmission && glass > 0 && !thin_walled) result.eta = eta();
+  result.pdf = density;
+  result.weight = weight;
+  return result;
+}
+
+}  // namespace meristem
