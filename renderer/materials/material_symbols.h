@@ -62,6 +62,7 @@ class ColorParameter {
   ColorParameter(Params& params, const char* name, const char* fallback, float upper, const char* doc)
       : ColorParameter(params, material_symbols(), name, fallback, upper, doc) {}
   Spectrum at(const MaterialValues& values) const;
+  bool is_constant() const { return constant_; }
 
  private:
   Spectrum clean(Vec3f c) const;

@@ -30,42 +30,37 @@ class OpenPbr : public Material {
  public:
   explicit OpenPbr(Params& p)
       : textures_(p),
-        base_weight_(p, textures_.symbols(), "base_weight", "1", 0, 1, "multiplies base_color"),
-        base_color_(p, textures_.symbols(), "base_color", "0.8", 1,
-                    "colour of the diffuse base; of metal, seen face on"),
-        metalness_(p, textures_.symbols(), "base_metalness", "0", 0, 1, "0: dielectric over a diffuse base; 1: metal"),
-        diffuse_roughness_(p, textures_.symbols(), "base_diffuse_roughness", "0", 0, 1,
-                           "0: Lambert; 1: flat, like dust or the moon"),
-        specular_weight_(p, textures_.symbols(), "specular_weight", "1", 0, any, "strength of the reflection; 0: none"),
-        specular_color_(p, textures_.symbols(), "specular_color", "1", 1,
-                        "tint of the reflection; of metal, near its edges"),
-        specular_roughness_(p, textures_.symbols(), "specular_roughness", "0.3", 0, 1, "0: mirror; 1: dull"),
-        specular_ior_(p, textures_.symbols(), "specular_ior", "1.5", 1, 4, "index of refraction of the dielectric"),
-        transmission_weight_(p, textures_.symbols(), "transmission_weight", "0", 0, 1,
-                             "how much of the dielectric's base is glass"),
-        transmission_color_(p, textures_.symbols(), "transmission_color", "1", 1,
-                            "colour of light that has crossed the glass"),
-        transmission_depth_(p, textures_.symbols(), "transmission_depth", "0", 0, any,
-                            "metres of glass that give that colour; 0: any"),
-        subsurface_weight_(p, textures_.symbols(), "subsurface_weight", "0", 0, 1,
-                           "how much of the diffuse base is subsurface"),
-        subsurface_color_(p, textures_.symbols(), "subsurface_color", "0.8", 1, "colour of the subsurface"),
-        anisotropy_(p, textures_.symbols(), "subsurface_scatter_anisotropy", "0", -1, 1,
-                    "of thin walls: -1 reflects, 1 transmits"),
-        coat_weight_(p, textures_.symbols(), "coat_weight", "0", 0, 1, "how much of the surface has a clear coat"),
-        coat_color_(p, textures_.symbols(), "coat_color", "1", 1, "tint of what is seen through the coat"),
-        coat_roughness_(p, textures_.symbols(), "coat_roughness", "0", 0, 1, "of the coat; 0: mirror"),
-        coat_ior_(p, textures_.symbols(), "coat_ior", "1.6", 1, 4, "index of refraction of the coat"),
-        fuzz_weight_(p, textures_.symbols(), "fuzz_weight", "0", 0, 1,
-                     "how much of the surface has fuzz: dust, velvet, peach skin"),
-        fuzz_color_(p, textures_.symbols(), "fuzz_color", "1", 1, "colour of the fuzz"),
-        fuzz_roughness_(p, textures_.symbols(), "fuzz_roughness", "0.5", fuzz::min_roughness, 1,
-                        "0: only the rim shines; 1: all around"),
-        emission_luminance_(p, textures_.symbols(), "emission_luminance", "0", 0, any, "radiance of its own light"),
-        emission_color_(p, textures_.symbols(), "emission_color", "1", any, "colour of its own light"),
-        opacity_(p, textures_.symbols(), "geometry_opacity", "1", 0, 1, "the part of the surface that is there"),
-        bump_(p, textures_.symbols(), "geometry_bump", "0", -any, any, "height of fine relief in metres, shaded only"),
-        thin_walled_(p.boolean("geometry_thin_walled", false, "a sheet without inside, like a leaf")) {}
+        base_weight_(scalar(p, "base_weight", "1", 0, 1, "multiplies base_color")),
+        base_color_(color(p, "base_color", "0.8", 1, "colour of the diffuse base; of metal, seen face on")),
+        metalness_(scalar(p, "base_metalness", "0", 0, 1, "0: dielectric over a diffuse base; 1: metal")),
+        diffuse_roughness_(
+            scalar(p, "base_diffuse_roughness", "0", 0, 1, "0: Lambert; 1: flat, like dust or the moon")),
+        specular_weight_(scalar(p, "specular_weight", "1", 0, any, "strength of the reflection; 0: none")),
+        specular_color_(color(p, "specular_color", "1", 1, "tint of the reflection; of metal, near its edges")),
+        specular_roughness_(scalar(p, "specular_roughness", "0.3", 0, 1, "0: mirror; 1: dull")),
+        specular_ior_(scalar(p, "specular_ior", "1.5", 1, 4, "index of refraction of the dielectric")),
+        transmission_weight_(scalar(p, "transmission_weight", "0", 0, 1, "how much of the dielectric's base is glass")),
+        transmission_color_(color(p, "transmission_color", "1", 1, "colour of light that has crossed the glass")),
+        transmission_depth_(
+            scalar(p, "transmission_depth", "0", 0, any, "metres of glass that give that colour; 0: any")),
+        subsurface_weight_(scalar(p, "subsurface_weight", "0", 0, 1, "how much of the diffuse base is subsurface")),
+        subsurface_color_(color(p, "subsurface_color", "0.8", 1, "colour of the subsurface")),
+        anisotropy_(scalar(p, "subsurface_scatter_anisotropy", "0", -1, 1, "of thin walls: -1 reflects, 1 transmits")),
+        coat_weight_(scalar(p, "coat_weight", "0", 0, 1, "how much of the surface has a clear coat")),
+        coat_color_(color(p, "coat_color", "1", 1, "tint of what is seen through the coat")),
+        coat_roughness_(scalar(p, "coat_roughness", "0", 0, 1, "of the coat; 0: mirror")),
+        coat_ior_(scalar(p, "coat_ior", "1.6", 1, 4, "index of refraction of the coat")),
+        fuzz_weight_(scalar(p, "fuzz_weight", "0", 0, 1, "how much of the surface has fuzz: dust, velvet, peach skin")),
+        fuzz_color_(color(p, "fuzz_color", "1", 1, "colour of the fuzz")),
+        fuzz_roughness_(
+            scalar(p, "fuzz_roughness", "0.5", fuzz::min_roughness, 1, "0: only the rim shines; 1: all around")),
+        emission_luminance_(scalar(p, "emission_luminance", "0", 0, any, "radiance of its own light")),
+        emission_color_(color(p, "emission_color", "1", any, "colour of its own light")),
+        opacity_(scalar(p, "geometry_opacity", "1", 0, 1, "the part of the surface that is there")),
+        bump_(scalar(p, "geometry_bump", "0", -any, any, "height of fine relief in metres, shaded only")),
+        thin_walled_(p.boolean("geometry_thin_walled", false, "a sheet without inside, like a leaf")) {
+    if (constant_) set_parameters(MaterialValues({}), same_everywhere_);
+  }
 
   // Makes the tables that a hit will ask.
   void prepare() override {
@@ -75,16 +70,10 @@ class OpenPbr : public Material {
   }
 
   void evaluate(const ShadingPoint& point, Bsdf& bsdf) const override {
+    bsdf = same_everywhere_;
+    if (constant_) return bsdf.set_frame(point);
     const MaterialValues v = textures_.at(point);
-    bsdf = Bsdf{};
-    bsdf.opacity = opacity_.at(v);
-    bsdf.emission = emission_color_.at(v) * emission_luminance_.at(v);
-    bsdf.metalness = metalness_.at(v);
-    set_specular(v, bsdf);
-    set_base(v, bsdf);
-    if (!is_zero(transmission_weight_)) set_glass(v, bsdf);
-    if (!is_zero(fuzz_weight_)) set_fuzz(v, bsdf);
-    if (!is_zero(coat_weight_)) set_coat(v, bsdf);
+    set_parameters(v, bsdf);
     if (bump_.is_constant()) return bsdf.set_frame(point);
     ShadingPoint bumped = point;
     bumped.hit.shading_normal = bumped_normal(point, bump_.at(v));
@@ -100,6 +89,17 @@ class OpenPbr : public Material {
   bool may_be_transparent() const override { return !opacity_.is_constant() || opacity_.at(MaterialValues({})) < 1; }
 
  private:
+  ScalarParameter scalar(Params& p, const char* name, const char* fallback, float lower, float upper, const char* doc) {
+    ScalarParameter parameter(p, textures_.symbols(), name, fallback, lower, upper, doc);
+    constant_ = constant_ && parameter.is_constant();
+    return parameter;
+  }
+  ColorParameter color(Params& p, const char* name, const char* fallback, float upper, const char* doc) {
+    ColorParameter parameter(p, textures_.symbols(), name, fallback, upper, doc);
+    constant_ = constant_ && parameter.is_constant();
+    return parameter;
+  }
+
   // The normal of the surface raised by the bump: Blinn 1978, by differences over a step that is small in the picture.
   Vec3f bumped_normal(const ShadingPoint& point, float height) const {
     constexpr float part_of_distance = 5e-4f;
@@ -120,6 +120,17 @@ class OpenPbr : public Material {
     other.hit.u += (dot(by, du) * vv - dot(by, dv) * uv) / determinant;
     other.hit.v += (dot(by, dv) * uu - dot(by, du) * uv) / determinant;
     return other;
+  }
+
+  void set_parameters(const MaterialValues& v, Bsdf& bsdf) const {
+    bsdf.opacity = opacity_.at(v);
+    bsdf.emission = emission_color_.at(v) * emission_luminance_.at(v);
+    bsdf.metalness = metalness_.at(v);
+    set_specular(v, bsdf);
+    set_base(v, bsdf);
+    if (!is_zero(transmission_weight_)) set_glass(v, bsdf);
+    if (!is_zero(fuzz_weight_)) set_fuzz(v, bsdf);
+    if (!is_zero(coat_weight_)) set_coat(v, bsdf);
   }
 
   void set_specular(const MaterialValues& v, Bsdf& bsdf) const {
@@ -179,6 +190,8 @@ class OpenPbr : public Material {
   static bool is_zero(const ScalarParameter& p) { return p.is_constant() && p.at(MaterialValues({})) == 0; }
 
   MaterialTextures textures_;
+  bool constant_ = true;  // no parameter depends on the hit; then all hits have
+  Bsdf same_everywhere_;  // but for the frame
   ScalarParameter base_weight_;
   ColorParameter base_color_;
   ScalarParameter metalness_, diffuse_roughness_;
