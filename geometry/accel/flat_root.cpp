@@ -16,6 +16,7 @@ class FlatRoot final : public ModelRoot {
   void occluded(RayContext& context, RTCRay& ray) const override {
     rtcOccluded1(patch_.scene(), &context.embree, &ray);
   }
+  std::size_t bytes() const override { return sizeof(*this) + patch_.bytes(); }
 
  private:
   SurfacePatch patch_;
@@ -25,15 +26,19 @@ class FlatRoot final : public ModelRoot {
 void append(Tessellation& all, const Tessellation& part) {
   const auto first_vertex = std::uint32_t(all.positions.size());
   const auto first_origin = std::uint32_t(all.origins.size());
+  const auto first_frame = std::uint32_t(all.uv_frames.size());
   all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
   all.normals.insert(all.normals.end(), part.normals.begin(), part.normals.end());
   all.uv.insert(all.uv.end(), part.uv.begin(), part.uv.end());
+  all.uv_frames.insert(all.uv_frames.end(), part.uv_frames.begin(), part.uv_frames.end());
   all.origins.insert(all.origins.end(), part.origins.begin(), part.origins.end());
   for (Tessellation::Grid g : part.grids)
-    all.grids.push_back({g.first_vertex + first_vertex, g.width, g.height, g.origin + first_origin});
+    all.grids.push_back(
+        {g.first_vertex + first_vertex, g.width, g.height, g.origin + first_origin, g.uv_frame + first_frame});
   for (const auto& t : part.triangles)
     all.triangles.push_back({t[0] + first_vertex, t[1] + first_vertex, t[2] + first_vertex});
-  for (std::uint32_t o : part.triangle_origins) all.triangle_origins.push_back(o + first_origin);
+  for (Tessellation::TriangleSource s : part.triangle_sources)
+    all.triangle_sources.push_back({s.origin + first_origin, s.uv_frame + first_frame});
   all.face_count += part.face_count;
 }
 
@@ -71,9 +76,11 @@ class Flattener {
 
 }  // namespace
 
-std::unique_ptr<ModelRoot> make_flat_root(std::shared_ptr<const Model> model, ExpansionCounts& counts, int threads) {
-  Tessellation all = Flattener(*model, counts, threads).flatten(root_cell(*model), 0);
-  return std::make_unique<FlatRoot>(std::move(all), *model);
+std::unique_ptr<ModelRoot> make_flat_root(const RootSource& source, ExpansionCounts& counts, int threads) {
+  const Model& model = *source.part->model;
+  CellMesh root = root_cell(model, source.footprint.get(), source.individual);
+  Tessellation all = Flattener(model, counts, threads).flatten(std::move(root), 0);
+  return std::make_unique<FlatRoot>(std::move(all), model);
 }
 
 }  // namespace meristem

@@ -1,10 +1,14 @@
+#include "geometry/accel/instances.h"
 #include "geometry/accel/model_root.h"
 #include "geometry/accel/proxy_scene.h"
+#include "geometry/accel/roots.h"
 #include "geometry/base/parallel.h"
 
 #include <fmt/format.h>
 
 #include <atomic>
+#include <functional>
+#include <set>
 
 namespace meristem {
 
@@ -12,7 +16,7 @@ namespace {
 
 class LazyRoot;
 
-// A resident cell: a surface patch, or child cells behind a scene of their bounds.
+// A resident cell: a surface patch, child cells behind a scene of their bounds, or placed parts.
 class CellEntry : public CacheEntry {
  public:
   CellEntry(std::unique_ptr<SurfacePatch> patch, Key key)
@@ -22,16 +26,37 @@ class CellEntry : public CacheEntry {
     label.tree_bytes = patch_->bytes() - patch_->tessellation().bytes();
   }
   CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner);
+  CellEntry() = default;
+  // What is placed may name the entry as its owner, so it comes in afterwards.
+  void set_instances(std::unique_ptr<Instances> instances) {
+    instances_ = std::move(instances);
+    real_bounds_ = instances_->bounds();
+    bytes = instances_->bytes() + sizeof(*this);
+    label.tree_bytes = bytes;
+  }
 
-  bool is_leaf() const { return patch_ != nullptr; }
-  const SurfacePatch& patch() const { return *patch_; }
-  Key key() const { return key_; }
-  const InnerCell& inner() const { return *inner_; }
+  void intersect(RayContext& context, RTCRayHit& ray) const {
+    if (patch_)
+      intersect_patch(*patch_, key_, context, ray);
+    else if (proxies_)
+      rtcIntersect1(proxies_->scene(), &context.embree, &ray);
+    else
+      instances_->intersect(context, ray);
+  }
+  void occluded(RayContext& context, RTCRay& ray) const {
+    if (instances_)
+      instances_->occluded(context, ray);
+    else
+      rtcOccluded1(patch_ ? patch_->scene() : proxies_->scene(), &context.embree, &ray);
+  }
+
+  const LazyRoot& root() const { return *root_; }
+  const InnerCell* inner() const { return inner_.get(); }
+  const Instances* instances() const { return instances_.get(); }
   CacheSlot& slot(std::size_t child) { return slots_[child]; }
   ProxyScene& proxies() { return *proxies_; }
-  // Of a surface: its own. Of child cells: the union of their bounds before expansion.
+  // Of a surface or of placed parts: their own. Of child cells: the union of their bounds before expansion.
   const Bounds3f& real_bounds() const { return real_bounds_; }
-  const LazyRoot& root() const { return *root_; }
 
  private:
   std::unique_ptr<SurfacePatch> patch_;
@@ -41,6 +66,7 @@ class CellEntry : public CacheEntry {
   std::unique_ptr<InnerCell> inner_;
   std::unique_ptr<CacheSlot[]> slots_;
   std::unique_ptr<ProxyScene> proxies_;
+  std::unique_ptr<Instances> instances_;
 };
 
 // The box of a cell that could not be expanded, as a surface.
@@ -49,56 +75,57 @@ Tessellation box_of(const Bounds3f& b, Key key) {
   for (int i = 0; i < 8; ++i) {
     t.positions.push_back(
         {i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z});
-    t.normals.push_back(normalize(t.positions.back() - b.center()));
+    t.normals.push_back(PackedNormal::pack(t.positions.back() - b.center()));
     t.uv.push_back({});
   }
   t.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                  {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  t.triangle_origins.assign(t.triangles.size(), 0);
+  t.triangle_sources.assign(t.triangles.size(), {0, 0});
+  t.uv_frames = {UvFrame()};
   t.origins = {FaceOrigin{.key = key}};
   return t;
 }
 
 class LazyRoot final : public ModelRoot {
  public:
-  LazyRoot(std::shared_ptr<const Model> model, GeometryCache& cache, ExpansionCounts& counts)
-      : ModelRoot(model_bounds(*model)), model_(std::move(model)), cache_(cache), counts_(counts) {}
+  LazyRoot(RootSource source, Roots& roots, GeometryCache& cache, ExpansionCounts& counts)
+      : ModelRoot(source.part->bounds),
+        source_(std::move(source)),
+        roots_(roots),
+        cache_(cache),
+        counts_(counts),
+        reach_(source_.part->placer ? float(source_.part->placer->reach()) : 0) {}
 
   void intersect(RayContext& context, RTCRayHit& ray) const override {
-    if (CellEntry* cell = root()) intersect_cell(*cell, context, ray);
+    if (const CellEntry* cell = root()) cell->intersect(context, ray);
   }
   void occluded(RayContext& context, RTCRay& ray) const override {
-    if (CellEntry* cell = root()) occluded_cell(*cell, context, ray);
+    if (const CellEntry* cell = root()) cell->occluded(context, ray);
   }
+  std::size_t bytes() const override { return sizeof(*this); }
 
   CellEntry* root() const {
-    return static_cast<CellEntry*>(cache_.acquire(slot_, nullptr, [this] {
-      return make_entry([this] { return root_cell(*model_); }, 0, bounds(), hash_text(model_->name()));
+    return static_cast<CellEntry*>(cache_.acquire(slot_, source_.parent, [this]() -> std::unique_ptr<CacheEntry> {
+      if (!source_.part->model) return placed(source_.part->members);
+      const auto cut = [this] { return root_cell(model(), ground_footprint(), source_.individual); };
+      return make_entry(cut, 0, bounds(), hash_keys(hash_text(model().name()), source_.individual));
     }));
   }
   CellEntry* child(CellEntry& parent, std::size_t index) const {
     return static_cast<CellEntry*>(cache_.acquire(parent.slot(index), &parent, [this, &parent, index] {
-      const InnerCell& inner = parent.inner();
-      auto entry = make_entry([&] { return child_cell(*model_, inner, index); }, inner.level, inner.child_bounds[index],
+      const InnerCell& inner = *parent.inner();
+      auto entry = make_entry([&] { return child_cell(model(), inner, index); }, inner.level, inner.child_bounds[index],
                               inner.child_keys[index]);
       parent.proxies().tighten(index, static_cast<const CellEntry&>(*entry).real_bounds());
       return entry;
     }));
   }
 
-  static void intersect_cell(CellEntry& cell, RayContext& context, RTCRayHit& ray) {
-    if (cell.is_leaf())
-      intersect_patch(cell.patch(), cell.key(), context, ray);
-    else
-      rtcIntersect1(cell.proxies().scene(), &context.embree, &ray);
-  }
-  static void occluded_cell(CellEntry& cell, RayContext& context, RTCRay& ray) {
-    rtcOccluded1(cell.is_leaf() ? cell.patch().scene() : cell.proxies().scene(), &context.embree, &ray);
-  }
-
-  const GeometryCache& cache() const { return cache_; }
-
  private:
+  const Model& model() const { return *source_.part->model; }
+  // What stands on a ground must not depend on the view, so the ground is expanded in full.
+  const Footprint* ground_footprint() const { return source_.part->placer ? nullptr : source_.footprint.get(); }
+
   // Never throws: a cell that cannot be expanded becomes its box, once, counted and reported.
   template <class Cut>
   std::unique_ptr<CacheEntry> make_entry(const Cut& cut, int level, const Bounds3f& bounds, Key key) const {
@@ -106,32 +133,54 @@ class LazyRoot final : public ModelRoot {
       const double start_s = counts_.now_s();
       CellMesh mesh = cut();
       const std::int32_t symbol = mesh.mesh.origins[mesh.mesh.face_origins[0]].symbol;
-      Expansion expansion = expand(*model_, std::move(mesh), level);
+      Expansion expansion = expand(model(), std::move(mesh), level);
       const double built_from_s = counts_.now_s();
       auto entry = entry_of(expansion, bounds, key);
       const Bounds3f& real_bounds = static_cast<const CellEntry&>(*entry).real_bounds();
-      counts_.add({*model_, level, key, symbol, expansion, start_s, built_from_s, bounds, real_bounds}, *entry);
+      counts_.add({model(), level, key, symbol, expansion, start_s, built_from_s, bounds, real_bounds}, *entry);
       return entry;
     } catch (const std::exception& error) {
-      counts_.add_defect(fmt::format("a cell of model \"{}\" could not be expanded: {}", model_->name(), error.what()));
+      counts_.add_defect(fmt::format("a cell of model \"{}\" could not be expanded: {}", model().name(), error.what()));
       return std::make_unique<CellEntry>(SurfacePatch::make_isolated(box_of(bounds, key)), key);
     }
   }
 
   std::unique_ptr<CacheEntry> entry_of(Expansion& expansion, const Bounds3f& bounds, Key key) const {
-    if (!expansion.leaf) {
+    if (expansion.inner) {
+      for (Bounds3f& b : expansion.inner->child_bounds) b = b.inflated(Vec3f(reach_));
       std::unique_ptr<CacheEntry> entry;
       run_isolated([&] { entry = std::make_unique<CellEntry>(*this, std::move(expansion.inner)); });
       return entry;
     }
-    if (!bounds.contains(expansion.leaf->bounds()))
-      counts_.add_defect(fmt::format("a cell of model \"{}\" left its bounds", model_->name()));
+    if (source_.part->placer) {
+      std::vector<Placement> placements;
+      source_.part->placer->place(expansion.mesh, source_.individual, placements);
+      auto entry = placed(placements);
+      check_bounds(bounds, entry->real_bounds());
+      return entry;
+    }
+    check_bounds(bounds, expansion.leaf->bounds());
     return std::make_unique<CellEntry>(SurfacePatch::make_isolated(std::move(*expansion.leaf)), key);
   }
 
-  std::shared_ptr<const Model> model_;
+  std::unique_ptr<CellEntry> placed(const std::vector<Placement>& placements) const {
+    auto entry = std::make_unique<CellEntry>();
+    run_isolated([&] {
+      entry->set_instances(roots_.place(placements, source_.footprint, entry.get(), source_.individual, false));
+    });
+    return entry;
+  }
+
+  void check_bounds(const Bounds3f& bounds, const Bounds3f& real) const {
+    if (!real.empty() && !bounds.contains(real))
+      counts_.add_defect(fmt::format("a cell of model \"{}\" left its bounds", model().name()));
+  }
+
+  const RootSource source_;
+  Roots& roots_;
   GeometryCache& cache_;
   ExpansionCounts& counts_;
+  const float reach_;
   mutable CacheSlot slot_;
 };
 
@@ -142,9 +191,9 @@ void intersect_child(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   CellEntry& parent = owner(args->geometryUserPtr);
   auto& context = *reinterpret_cast<RayContext*>(args->context);
-  if (CellEntry* cell = parent.root().child(parent, args->primID)) {
+  if (const CellEntry* cell = parent.root().child(parent, args->primID)) {
     if (context.visits) ++context.visits[cell->label.cell_class];
-    LazyRoot::intersect_cell(*cell, context, *reinterpret_cast<RTCRayHit*>(args->rayhit));
+    cell->intersect(context, *reinterpret_cast<RTCRayHit*>(args->rayhit));
   }
 }
 
@@ -152,9 +201,9 @@ void occluded_child(const RTCOccludedFunctionNArguments* args) {
   if (!args->valid[0]) return;
   CellEntry& parent = owner(args->geometryUserPtr);
   auto& context = *reinterpret_cast<RayContext*>(args->context);
-  if (CellEntry* cell = parent.root().child(parent, args->primID)) {
+  if (const CellEntry* cell = parent.root().child(parent, args->primID)) {
     if (context.visits) ++context.visits[cell->label.cell_class];
-    LazyRoot::occluded_cell(*cell, context, *reinterpret_cast<RTCRay*>(args->ray));
+    cell->occluded(context, *reinterpret_cast<RTCRay*>(args->ray));
   }
 }
 
@@ -169,27 +218,33 @@ CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner)
 
 }  // namespace
 
-std::unique_ptr<ModelRoot> make_lazy_root(std::shared_ptr<const Model> model, GeometryCache& cache,
+std::unique_ptr<ModelRoot> make_lazy_root(RootSource source, Roots& roots, GeometryCache& cache,
                                           ExpansionCounts& counts) {
-  return std::make_unique<LazyRoot>(std::move(model), cache, counts);
+  return std::make_unique<LazyRoot>(std::move(source), roots, cache, counts);
 }
 
-void expand_everything(const ModelRoot& lazy_root, int threads) {
-  const auto& root = static_cast<const LazyRoot&>(lazy_root);
-  std::vector<CellEntry*> generation{root.root()};
+void expand_everything(std::vector<const ModelRoot*> roots, int threads) {
+  std::set<const ModelRoot*> seen;
+  std::vector<std::function<CellEntry*()>> generation;
+  const auto add_root = [&](const ModelRoot* root) {
+    const auto* lazy = dynamic_cast<const LazyRoot*>(root);
+    if (lazy && seen.insert(lazy).second) generation.push_back([lazy] { return lazy->root(); });
+  };
+  for (const ModelRoot* root : roots) add_root(root);
   while (!generation.empty()) {
-    // All children of this generation's cells, one work item each
-    std::vector<std::pair<CellEntry*, std::size_t>> children;
-    for (CellEntry* cell : generation)
-      if (cell && !cell->is_leaf())
-        for (std::size_t i = 0; i < cell->inner().child_count(); ++i) children.push_back({cell, i});
-    std::vector<CellEntry*> next(children.size());
+    std::vector<CellEntry*> cells(generation.size());
     std::atomic<std::size_t> counter{0};
     run_threads(threads, [&](int) {
-      for (std::size_t i; (i = counter.fetch_add(1)) < children.size();)
-        next[i] = root.child(*children[i].first, children[i].second);
+      for (std::size_t i; (i = counter.fetch_add(1)) < generation.size();) cells[i] = generation[i]();
     });
-    generation = std::move(next);
+    generation.clear();
+    for (CellEntry* cell : cells) {
+      if (!cell) continue;
+      for (std::size_t i = 0; cell->inner() && i < cell->inner()->child_count(); ++i)
+        generation.push_back([cell, i] { return cell->root().child(*cell, i); });
+      if (cell->instances())
+        for (const Instance& instance : cell->instances()->list()) add_root(&instance.root());
+    }
   }
 }
 

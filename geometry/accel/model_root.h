@@ -3,16 +3,30 @@
 
 #include "geometry/accel/expansion_counts.h"
 #include "geometry/accel/surface_patch.h"
+#include "geometry/base/transform.h"
+#include "geometry/cells/part.h"
+
+#include <optional>
 
 namespace meristem {
 
 // The state of one ray, handed through Embree's callbacks. Embree sees only the first member.
 struct RayContext {
   RTCIntersectContext embree;
-  const SurfacePatch* patch = nullptr;  // what the nearest hit so far lies on
-  Key patch_key = 0;                    // of its cell: decides ties
+  // Of the nearest hit so far.
+  const SurfacePatch* patch = nullptr;
+  Key patch_key = 0;  // of its cell and the instances around it: decides ties
   int patch_object = -1;
-  int object = -1;                  // being traced
+  std::optional<Affine3d> patch_to_world;  // none: identity
+
+  // Being traced: instances of instances, from the innermost on; callbacks nest, so the links lie on the stack.
+  struct Frame {
+    const Affine3f* to_parent;
+    const Frame* parent;
+  };
+  const Frame* frame = nullptr;
+  Key path = 0;
+  int object = -1;
   std::uint32_t* visits = nullptr;  // of a sampled ray: counts of the cells it meets, by class
 };
 
@@ -22,6 +36,7 @@ class ModelRoot {
   virtual void intersect(RayContext& context, RTCRayHit& ray) const = 0;
   virtual void occluded(RayContext& context, RTCRay& ray) const = 0;
   const Bounds3f& bounds() const { return bounds_; }
+  virtual std::size_t bytes() const = 0;  // of the root alone, nothing expanded
 
  protected:
   explicit ModelRoot(const Bounds3f& bounds) : bounds_(bounds) {}
@@ -33,12 +48,21 @@ class ModelRoot {
 // Traces a patch for a ray that may have a hit already; of two hits at one distance the smaller key wins.
 void intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRayHit& ray);
 
-// Cells behind a cache. The cache and the counts outlive the root.
-std::unique_ptr<ModelRoot> make_lazy_root(std::shared_ptr<const Model> model, GeometryCache& cache,
+// A part as one of the individuals that it describes, seen from somewhere: what its cells are a pure function of.
+struct RootSource {
+  std::shared_ptr<const Part> part;
+  std::shared_ptr<const Footprint> footprint;  // null: everything in full
+  Key individual = 0;
+  CacheEntry* parent = nullptr;  // the entry that owns the root, if one does
+};
+
+// Cells behind a cache; what stands in them is placed by `roots`. All must outlive the root.
+class Roots;
+std::unique_ptr<ModelRoot> make_lazy_root(RootSource source, Roots& roots, GeometryCache& cache,
                                           ExpansionCounts& counts);
-// Expands every cell of a lazy root, on `threads` threads.
-void expand_everything(const ModelRoot& lazy_root, int threads);
+// Expands every cell of the lazy roots among those given and of all that stands in them, on `threads` threads.
+void expand_everything(std::vector<const ModelRoot*> roots, int threads);
 // The whole final mesh as one patch.
-std::unique_ptr<ModelRoot> make_flat_root(std::shared_ptr<const Model> model, ExpansionCounts& counts, int threads);
+std::unique_ptr<ModelRoot> make_flat_root(const RootSource& source, ExpansionCounts& counts, int threads);
 
 }  // namespace meristem

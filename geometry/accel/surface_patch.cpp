@@ -32,13 +32,13 @@ struct SurfacePatch::Corners {
   std::uint32_t vertices[3];  // counter-clockwise seen from outside
   float weights[3];
   float extent_error;  // of the weights, for grids: Embree stores u, v over the whole grid
-  std::uint32_t origin;
+  std::uint32_t origin, uv_frame;
 };
 
 SurfacePatch::SurfacePatch(Tessellation tessellation) : tessellation_(std::move(tessellation)) {
   scene_.reset(rtcNewScene(embree_device()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
-  // Embree reads vertices 16 bytes at a time: the last one needs room behind it.
+  // Embree reads vertices 16 bytes at a time: the last one needs room behind it (tessellate() has left it).
   tessellation_.positions.reserve(tessellation_.positions.size() + 1);
   if (!tessellation_.grids.empty()) attach_grids();
   if (!tessellation_.triangles.empty()) attach_triangles();
@@ -79,7 +79,8 @@ void SurfacePatch::attach_triangles() {
 
 SurfacePatch::Corners SurfacePatch::triangle_corners(const PatchHit& hit) const {
   const auto& t = tessellation_.triangles[hit.primitive];
-  return {{t[0], t[1], t[2]}, {1 - hit.u - hit.v, hit.u, hit.v}, 0, tessellation_.triangle_origins[hit.primitive]};
+  const Tessellation::TriangleSource& source = tessellation_.triangle_sources[hit.primitive];
+  return {{t[0], t[1], t[2]}, {1 - hit.u - hit.v, hit.u, hit.v}, 0, source.origin, source.uv_frame};
 }
 
 // Embree's u, v run over the whole grid; each quad is two triangles, (00, 10, 01) and (11, 01, 10).
@@ -92,22 +93,23 @@ SurfacePatch::Corners SurfacePatch::grid_corners(const PatchHit& hit) const {
   const std::uint32_t v00 = grid.first_vertex + j * grid.width + i, v10 = v00 + 1, v01 = v00 + grid.width,
                       v11 = v01 + 1;
   const float error = 4e-7f * float(std::max(grid.width, grid.height));
-  if (u + v <= 1) return {{v00, v10, v01}, {1 - u - v, u, v}, error, grid.origin};
-  return {{v11, v01, v10}, {u + v - 1, 1 - u, 1 - v}, error, grid.origin};
+  if (u + v <= 1) return {{v00, v10, v01}, {1 - u - v, u, v}, error, grid.origin, grid.uv_frame};
+  return {{v11, v01, v10}, {u + v - 1, 1 - u, 1 - v}, error, grid.origin, grid.uv_frame};
 }
 
 SurfaceHit SurfacePatch::surface_at(const PatchHit& patch_hit) const {
   const Corners c = patch_hit.geometry == grids_id ? grid_corners(patch_hit) : triangle_corners(patch_hit);
   const Tessellation& t = tessellation_;
-  auto blend = [&](const auto& values) {
-    return values[c.vertices[0]] * c.weights[0] + values[c.vertices[1]] * c.weights[1] +
-           values[c.vertices[2]] * c.weights[2];
+  auto blend = [&](const auto& value) {
+    return value(c.vertices[0]) * c.weights[0] + value(c.vertices[1]) * c.weights[1] +
+           value(c.vertices[2]) * c.weights[2];
   };
+  auto uv_at = [&](std::uint32_t v) { return t.uv_frames[c.uv_frame].unpack(t.uv[v]); };
   const Vec3f p0 = t.positions[c.vertices[0]], e1 = t.positions[c.vertices[1]] - p0,
               e2 = t.positions[c.vertices[2]] - p0;
 
   SurfaceHit hit;
-  hit.position = blend(t.positions);
+  hit.position = blend([&](std::uint32_t v) { return t.positions[v]; });
   // Three products and two sums: gamma(5) of the sum of magnitudes (Pharr et al. 2023, sec. 6.8.4), and the error of
   // the weights.
   const Vec3f magnitude = abs(p0) + abs(e1) + abs(e2);
@@ -115,14 +117,14 @@ SurfaceHit SurfacePatch::surface_at(const PatchHit& patch_hit) const {
   hit.position_error =
       magnitude * (5 * 0x1p-24f) + (abs(e1) + abs(e2)) * c.extent_error + Vec3f(max_component(magnitude) * 0x1p-24f);
   const Vec3f normal = cross(e1, e2);
-  hit.shading_normal = blend(t.normals);
+  hit.shading_normal = blend([&](std::uint32_t v) { return t.normals[v].unpack(); });
   hit.geometric_normal = normalize(normal);
   if (hit.geometric_normal == Vec3f{}) hit.geometric_normal = normalize(hit.shading_normal);  // a degenerate triangle
   hit.shading_normal = on_side_of(hit.shading_normal, hit.geometric_normal);
-  const Vec2f uv = blend(t.uv);
+  const Vec2f uv = blend(uv_at);
   hit.u = uv.x;
   hit.v = uv.y;
-  const Vec2f t1 = t.uv[c.vertices[1]] - t.uv[c.vertices[0]], t2 = t.uv[c.vertices[2]] - t.uv[c.vertices[0]];
+  const Vec2f t1 = uv_at(c.vertices[1]) - uv_at(c.vertices[0]), t2 = uv_at(c.vertices[2]) - uv_at(c.vertices[0]);
   hit.dpdu = tangent_along_u(e1, e2, t1, t2);
   hit.dpdv = tangent_along_u(e1, e2, {t1.y, t1.x}, {t2.y, t2.x});
   hit.origin = &t.origins[c.origin];

@@ -1,4 +1,4 @@
-// World: objects (models placed by transforms) behind one Intersector, expanded lazily, eagerly or flat.
+// World: objects (parts placed by transforms) behind one Intersector, expanded lazily, eagerly or flat.
 //
 //   Lazy   a cell expands when a ray enters its bounds; the geometry cache forgets what is no longer used
 //   Eager  the same cells and the same code, all expanded before the first ray; nothing is forgotten
@@ -10,8 +10,7 @@
 #pragma once
 
 #include "geometry/accel/intersector.h"
-#include "geometry/base/transform.h"
-#include "geometry/cells/model.h"
+#include "geometry/cells/part.h"
 
 #include <cstdint>
 #include <memory>
@@ -22,19 +21,15 @@ namespace meristem {
 
 enum class ExpandMode : std::uint8_t { Lazy, Eager, Flat };
 
-struct WorldObject {
-  std::shared_ptr<const Model> model;  // objects of one model share its expanded cells
-  Affine3d to_world;
-};
-
 struct WorldOptions {
   ExpandMode mode = ExpandMode::Lazy;
-  std::size_t budget_bytes = std::size_t(2) << 30;  // of the geometry cache (Lazy)
-  int threads = 1;                                  // for expanding everything (Eager, Flat)
-  bool record = false;                              // Intersector::profile() then has figures (Lazy, Eager)
+  std::size_t budget_bytes = std::size_t(2) << 30;       // of the geometry cache (Lazy)
+  int threads = 1;                                       // for expanding everything (Eager, Flat)
+  std::shared_ptr<const Footprint> footprint = nullptr;  // in world space; null: everything in full
+  bool record = false;                                   // Intersector::profile() then has figures (Lazy, Eager)
 };
 
 // Makes the world; Eager and Flat expand here. Throws std::runtime_error if Embree fails.
-std::unique_ptr<Intersector> make_world(std::vector<WorldObject> objects, const WorldOptions& options);
+std::unique_ptr<Intersector> make_world(std::vector<Placement> objects, const WorldOptions& options);
 
 }  // namespace meristem

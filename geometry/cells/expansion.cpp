@@ -2,6 +2,8 @@
 
 #include "geometry/cells/extract.h"
 #include "geometry/cells/gather.h"
+#include "geometry/cells/level_of_detail.h"
+#include "geometry/cells/region_extent.h"
 
 #include <algorithm>
 #include <chrono>
@@ -15,11 +17,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-double estimated_faces(const Model& model, const CellMesh& cell, std::uint32_t face, int level) {
-  const Mesh& mesh = cell.mesh;
-  return model.estimated_faces(mesh.corner_count(face), mesh.origins[mesh.face_origins[face]].symbol, level);
-}
-
 // How an expansion goes on after some steps.
 enum class Next { Step, Split, Finish };
 
@@ -31,6 +28,7 @@ class Expander {
 
   Expansion run() {
     result_.work.resize(std::size_t(model_.levels()));
+    is_final_ = freeze_vertices(model_, cell_, level_);
     is_leaf_ = total_estimate() <= 2.0 * model_.settings().leaf_faces;
     Next next = Next::Step;
     while ((next = decide()) == Next::Step) apply_step();
@@ -44,19 +42,21 @@ class Expander {
  private:
   double total_estimate() const {
     double total = 0;
-    for (std::uint32_t f = 0; f < cell_.owned_faces; ++f) total += estimated_faces(model_, cell_, f, level_);
+    for (std::uint32_t f = 0; f < cell_.owned_faces; ++f) total += wanted_faces(model_, cell_, f, level_);
     return total;
   }
 
   double largest_estimate() const {
     double largest = 0;
     for (std::uint32_t f = 0; f < cell_.owned_faces; ++f)
-      largest = std::max(largest, estimated_faces(model_, cell_, f, level_));
+      largest = std::max(largest, wanted_faces(model_, cell_, f, level_));
     return largest;
   }
 
-  Next decide() const {
-    if (level_ == model_.levels()) return Next::Finish;
+  Next decide() {
+    if (is_final_ || level_ == model_.levels()) return Next::Finish;
+    // With a footprint less may come of it than was expected while it still grew
+    is_leaf_ = is_leaf_ || (cell_.footprint && total_estimate() <= 2.0 * model_.settings().leaf_faces);
     if (is_leaf_) return Next::Step;
     const bool may_split = level_ > first_level_ || cell_.owned_faces > model_.settings().inner_faces;
     if (!may_split) return Next::Step;
@@ -76,25 +76,23 @@ class Expander {
     const auto start = std::chrono::steady_clock::now();
     const Step& step = model_.step(level_);
     if (refinements_ == 0) note_roots();
+    if (!step.refines()) leave_out_small_growth(model_, cell_, level_);
     CellMesh out;
     step.apply(cell_, model_.halo_rings(level_ + 1), out);
+    out.footprint = cell_.footprint;
     cell_ = std::move(out);
     refinements_ = step.refines() ? refinements_ + 1 : 0;
     StepWork& work = result_.work[std::size_t(level_)];
     work = {cell_.owned_faces, seconds_since(start)};
     result_.faces += cell_.owned_faces;
     ++level_;
+    if (level_ < model_.levels()) is_final_ = freeze_vertices(model_, cell_, level_);
   }
 
   void finish() {
     const bool has_grids = refinements_ > 0 && cell_.mesh.corner_count(0) == 4;
-    result_.leaf = tessellate(cell_, root_corners_, has_grids ? refinements_ : 0, last_smoothing());
-  }
-
-  // The scheme whose limit surface the model ends on, if its last step is plain smoothing.
-  std::optional<RefineOptions> last_smoothing() const {
-    if (level_ == 0 || model_.step(level_ - 1).displaces()) return {};
-    return model_.step(level_ - 1).refinement();
+    result_.leaf = tessellate(cell_, root_corners_, has_grids ? refinements_ : 0, model_.smoothing(level_));
+    if (model_.settings().keeps_leaf_meshes) result_.mesh = std::move(cell_);
   }
 
   void split() {
@@ -110,7 +108,7 @@ class Expander {
   CellMesh cell_;
   int level_;
   const int first_level_;
-  bool is_leaf_ = false;
+  bool is_leaf_ = false, is_final_ = false;
   std::vector<std::uint32_t> root_corners_;
   int refinements_ = 0;
   Expansion result_;
@@ -124,10 +122,21 @@ std::size_t InnerCell::bytes() const {
          child_keys.capacity() * 8;
 }
 
-CellMesh root_cell(const Model& model) { return model.base(); }
+CellMesh root_cell(const Model& model, const Footprint* footprint, Key individual) {
+  CellMesh cell = model.base();
+  cell.footprint = footprint;
+  if (individual == 0) return cell;
+  for (Key& key : cell.mesh.face_keys) key = hash_keys(key, individual);
+  for (Key& key : cell.mesh.vertex_keys) key = hash_keys(key, individual);
+  for (FaceOrigin& origin : cell.mesh.origins) origin.key = hash_keys(origin.key, individual);
+  return cell;
+}
 
 CellMesh child_cell(const Model& model, const InnerCell& parent, std::size_t child) {
-  return gather_cell(parent.cell.mesh, *parent.adjacency, parent.faces_of_child(child), model.halo_rings(parent.level));
+  CellMesh cell =
+      gather_cell(parent.cell.mesh, *parent.adjacency, parent.faces_of_child(child), model.halo_rings(parent.level));
+  cell.footprint = parent.cell.footprint;
+  return cell;
 }
 
 Expansion expand(const Model& model, CellMesh cell, int level) { return Expander(model, std::move(cell), level).run(); }

@@ -41,12 +41,14 @@ struct StepWork {
 struct Expansion {
   std::optional<Tessellation> leaf;  // exactly one of
   std::unique_ptr<InnerCell> inner;  // these two
+  CellMesh mesh;                     // of a leaf, if the model's settings ask for it
   std::vector<StepWork> work;        // by level; levels that did not run are zero
   std::uint64_t faces = 0;           // owned faces made, over all steps
 };
 
-// The cell that is the whole base mesh, and a child of a split cell with the halo it needs.
-CellMesh root_cell(const Model& model);
+// The cell that is the whole base mesh, and a child of a split cell with the halo it needs. A null footprint wants
+// everything in full. Another `individual` than 0 salts the keys: another plant of the same kind.
+CellMesh root_cell(const Model& model, const Footprint* footprint = nullptr, Key individual = 0);
 CellMesh child_cell(const Model& model, const InnerCell& parent, std::size_t child);
 
 // Expands a cell before step `level`. Throws what a step throws (a rule that gives non-finite positions, a limit).

@@ -51,6 +51,8 @@ Mesh extract_faces(const Mesh& mesh, std::span<const std::uint32_t> faces) {
   part.vertex_keys = gather(mesh.vertex_keys, vertices.old());
   part.uv = gather(mesh.uv, vertices.old());
   part.vertex_sharpness = gather(mesh.vertex_sharpness, vertices.old());
+  part.nominal_scale = gather(mesh.nominal_scale, vertices.old());
+  part.frozen = gather(mesh.frozen, vertices.old());
   part.origins = gather(mesh.origins, origins.old());
   return part;
 }

@@ -2,7 +2,9 @@
 
 #include "geometry/base/check.h"
 #include "geometry/cells/extract.h"
+#include "geometry/cells/level_of_detail.h"
 #include "geometry/cells/probe.h"
+#include "geometry/cells/region_extent.h"
 
 #include <algorithm>
 #include <unordered_map>
@@ -126,8 +128,7 @@ class ChildMaker {
   bool is_small_bud_cluster() const { return bud_share_ < 0.5; }
 
   void add_plain(std::uint32_t f) {
-    const double faces =
-        model_.estimated_faces(mesh_.corner_count(f), mesh_.origins[mesh_.face_origins[f]].symbol, inner_.level);
+    const double faces = wanted_faces(model_, inner_.cell, f, inner_.level);
     if (!run_.empty() && run_faces_ + faces > model_.settings().leaf_faces) close_run();
     run_.push_back(f);
     run_faces_ += faces;

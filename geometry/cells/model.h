@@ -15,6 +15,7 @@ struct CellSettings {
   std::uint32_t leaf_faces =
       1024;  // final faces of a leaf cell: 32 x 32 quads keep 0.82-0.87 of the speed of one flat scene
   std::uint32_t inner_faces = 8192;  // an expansion stops to split when it would hold more
+  bool keeps_leaf_meshes = false;    // for placing parts on the final faces
 };
 
 class Model {
@@ -36,6 +37,19 @@ class Model {
   int trailing_refinements(int level) const;
   // An upper bound on the final faces of one face before step `level`; at most 1e18.
   double estimated_faces(std::uint32_t corners, std::int32_t symbol, int level) const;
+  // An upper bound on how far anything that will ever grow on a face reaches beyond it, from `level` on. `radius`: of
+  // its corners around its centroid. Some 10 us.
+  double growth_reach(const FaceOrigin& origin, const Bounds3d& face, double radius, int level) const;
+  // What the steps from `level` on may still add, where the local scale before them is `scale`: the sum of their
+  // longest displacements. An estimate: that refinement halves the scale is not exact. From a table.
+  double remaining_offset(int level, double scale) const;
+  // Whether that step thins what is small by itself.
+  bool thins_later(std::int32_t symbol, int level) const;
+  // Whether exactly two refinements lie between `level` and the last step before it that does not refine.
+  bool is_two_refinements_in(int level) const;
+  // The scheme whose limit surface a mesh before step `level` is taken for, if nothing but plain smoothing lies ahead
+  // or, at the end, lies behind.
+  std::optional<RefineOptions> smoothing(int level) const;
   // Whether a step at `level` or later replaces faces with this symbol (or with what grows of it).
   bool grows_later(std::int32_t symbol, int level) const;
 
@@ -45,13 +59,14 @@ class Model {
   std::vector<std::unique_ptr<Step>> steps_;
   Quantum quantum_;
   CellSettings settings_;
-  std::vector<int> halo_rings_;
-};
+  void find_remaining_offsets();
 
-// The extent of the listed faces before step `level`; the mesh must hold two complete rings around them.
-class Adjacency;
-Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adjacency,
-                     std::span<const std::uint32_t> faces, int level);
+  std::vector<int> halo_rings_;
+  Extent base_extent_;
+  // By level and by the power of two of the scale, from the smallest on.
+  int smallest_exponent_ = 0;
+  std::vector<std::vector<double>> remaining_offsets_;
+};
 
 // Bounds of everything that will ever come of a region, roundings included: the extent carried through all steps from
 // `level` on.

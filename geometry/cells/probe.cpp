@@ -1,9 +1,11 @@
 #include "geometry/cells/probe.h"
 
+#include "geometry/cells/level_of_detail.h"
 #include "geometry/mesh/contraction.h"
 #include "geometry/mesh/refine.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace meristem {
 
@@ -98,7 +100,15 @@ std::vector<Bounds3d> probed_bounds(const Model& model, const CellMesh& cell, in
                                     std::span<const std::uint32_t> group_of, std::size_t group_count) {
   CellMesh ahead = cell;
   std::vector<std::uint32_t> groups(group_of.begin(), group_of.end());  // of the owned faces of `ahead`
-  auto share = [&] { return 1 / model.estimated_faces(4, -1, level); };
+  // By the refinements still wanted; frozen vertices, which later levels would move, count as they are.
+  auto share = [&] { return std::exp2(-2.0 * wanted_refinements(model, ahead, level)); };
+  std::vector<Bounds3d> frozen(group_count);
+  auto add_frozen = [&] {
+    if (ahead.mesh.frozen.empty()) return;
+    for (std::uint32_t f = 0; f < ahead.owned_faces; ++f)
+      for (std::uint32_t v : ahead.mesh.corners(f))
+        if (ahead.mesh.frozen[v].is_frozen) frozen[groups[f]].extend(Vec3d(ahead.mesh.frozen[v].position));
+  };
   bool is_quads = false;
   while (level < model.levels() && (!is_quads || share() < probe_share) && ahead.owned_faces < most_probe_faces) {
     std::vector<std::uint32_t> next_groups;
@@ -106,11 +116,14 @@ std::vector<Bounds3d> probed_bounds(const Model& model, const CellMesh& cell, in
       next_groups.insert(next_groups.end(), model.step(level).max_children(ahead.mesh.corner_count(f)), groups[f]);
     CellMesh out;
     model.step(level).apply(ahead, model.halo_rings(level + 1), out);
+    out.footprint = ahead.footprint;
     ahead = std::move(out);
     groups = std::move(next_groups);
     is_quads = true;
     ++level;
+    if (freeze_vertices(model, ahead, level)) break;
   }
+  add_frozen();
   const std::vector<Surroundings> ring1 = widened(ahead.mesh, own_surroundings(ahead.mesh)),
                                   ring2 = widened(ahead.mesh, ring1);
   std::vector<Surroundings> group_ring1(group_count), group_ring2(group_count);
@@ -119,8 +132,10 @@ std::vector<Bounds3d> probed_bounds(const Model& model, const CellMesh& cell, in
     group_ring2[groups[f]].join(ring2[f]);
   }
   std::vector<Bounds3d> bounds;
-  for (std::size_t g = 0; g < group_count; ++g)
+  for (std::size_t g = 0; g < group_count; ++g) {
     bounds.push_back(final_bounds(model, extent_of(group_ring1[g], group_ring2[g]), level));
+    if (!frozen[g].empty()) bounds.back().extend(frozen[g].inflated(Vec3d(model.quantum().step())));
+  }
   return bounds;
 }
 

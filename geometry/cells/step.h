@@ -6,6 +6,7 @@
 #pragma once
 
 #include "geometry/cells/extent.h"
+#include "geometry/cells/footprint.h"
 #include "geometry/mesh/mesh.h"
 #include "geometry/mesh/quantum.h"
 #include "geometry/mesh/refine_plan.h"
@@ -23,6 +24,8 @@ struct CellMesh {
   Mesh mesh;
   std::uint32_t owned_faces = 0;
   std::vector<std::uint8_t> rings;  // one a face; ascending
+  // How coarse it may be; null: everything in full. Must outlive the cell. Not carried along by steps.
+  const Footprint* footprint = nullptr;
 };
 
 class Step {
@@ -40,6 +43,11 @@ class Step {
   virtual void apply(const CellMesh& in, int rings_after, CellMesh& out) const = 0;
   // The extent after the step of everything that comes of a region with extent `e`.
   virtual Extent bound(const Extent& e) const = 0;
+  // The longest displacement after refining a part of that extent to a local scale of at most `scale`.
+  virtual double offset_bound(const Extent& before, double scale) const {
+    (void)before, (void)scale;
+    return 0;
+  }
   // Whether faces with this symbol are replaced by this step.
   virtual bool grows(std::int32_t symbol) const {
     (void)symbol;
@@ -50,6 +58,9 @@ class Step {
     (void)symbol;
     return {};
   }
+  // Whether the step itself makes less of what is smaller than the cell's footprint, so that nothing is to be left out
+  // before it.
+  virtual bool thins() const { return false; }
   // Told once, by the model's constructor, before any apply(): the grid on which it must place vertices.
   virtual void set_quantum(const Quantum& quantum) { (void)quantum; }
   // Whether vertices are moved off the scheme's smooth position (so that no limit is known).

@@ -1,8 +1,10 @@
 #include "geometry/cells/tessellation.h"
 
 #include "geometry/base/check.h"
-#include "geometry/mesh/limit.h"
 #include "geometry/mesh/refine.h"
+
+#include <algorithm>
+#include <cmath>
 
 namespace meristem {
 
@@ -25,15 +27,10 @@ std::vector<Vec3d> vertex_normals(const Mesh& mesh) {
   return sums;
 }
 
-LimitSurface final_surface(const CellMesh& cell, const std::optional<RefineOptions>& smoothing) {
-  if (smoothing) return limit_surface(cell.mesh, cell.owned_faces, *smoothing);
-  return {cell.mesh.positions, vertex_normals(cell.mesh)};
-}
-
 class Tessellator {
  public:
   Tessellator(const CellMesh& cell, const std::optional<RefineOptions>& smoothing)
-      : mesh_(cell.mesh), surface_(final_surface(cell, smoothing)), uv_(vertex_uv(cell.mesh)) {
+      : mesh_(cell.mesh), surface_(shown_surface(cell, smoothing)), uv_(vertex_uv(cell.mesh)) {
     out_.origins = cell.mesh.origins;
     out_.face_count = cell.owned_faces;
   }
@@ -41,7 +38,6 @@ class Tessellator {
   // A square of 4^levels faces from `first` on: their order is that of a quadtree whose children run around the face.
   void add_grid(std::uint32_t first, int levels) {
     const std::uint32_t side = 1u << levels, width = side + 1;
-    const std::uint32_t base = std::uint32_t(out_.positions.size());
     grid_vertices_.assign(std::size_t(width) * width, 0);
     for (std::uint32_t k = 0; k < side * side; ++k) {
       std::uint32_t i = 0, j = 0;
@@ -56,26 +52,99 @@ class Tessellator {
       grid_vertices_[(j + 1) * width + i + 1] = c[2];
       grid_vertices_[(j + 1) * width + i] = c[3];
     }
-    for (std::uint32_t v : grid_vertices_) add_vertex(v);
-    out_.grids.push_back({base, std::uint16_t(width), std::uint16_t(width), mesh_.face_origins[first]});
+    grid_width_ = width;
+    grid_origin_ = mesh_.face_origins[first];
+    add_square(0, 0, side);
   }
 
-  // Fans from the first corner; vertices are shared between faces.
+  // Quads are cut as those of grids are, others into a fan from the first corner; vertices are shared between faces.
   void add_polygon(std::uint32_t face) {
-    const auto corners = mesh_.corners(face);
-    for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
-      out_.triangles.push_back({shared_vertex(corners[0]), shared_vertex(corners[i]), shared_vertex(corners[i + 1])});
-      out_.triangle_origins.push_back(mesh_.face_origins[face]);
+    const auto c = mesh_.corners(face);
+    if (c.size() == 4) {
+      add_triangle(face, c[0], c[1], c[3]);
+      add_triangle(face, c[2], c[3], c[1]);
+      return;
     }
+    for (std::size_t i = 1; i + 1 < c.size(); ++i) add_triangle(face, c[0], c[i], c[i + 1]);
   }
 
-  Tessellation take() { return std::move(out_); }
+  Tessellation take() {
+    pack_uv();
+    // Vectors have grown by doubling
+    out_.positions.reserve(out_.positions.size() + 1);
+    out_.positions.shrink_to_fit();
+    out_.normals.shrink_to_fit();
+    out_.grids.shrink_to_fit();
+    out_.triangles.shrink_to_fit();
+    out_.triangle_sources.shrink_to_fit();
+    return std::move(out_);
+  }
 
  private:
+  void add_triangle(std::uint32_t face, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    if (is_shown_together(a, b) || is_shown_together(b, c) || is_shown_together(c, a)) return;
+    out_.triangles.push_back({shared_vertex(a), shared_vertex(b), shared_vertex(c)});
+    out_.triangle_sources.push_back({mesh_.face_origins[face], 0});
+  }
+
+  void pack_uv() {
+    Vec2f low{INFINITY, INFINITY}, high{-INFINITY, -INFINITY};
+    for (Vec2f uv : vertex_uv_) {
+      low = {std::min(low.x, uv.x), std::min(low.y, uv.y)};
+      high = {std::max(high.x, uv.x), std::max(high.y, uv.y)};
+    }
+    out_.uv_frames = {UvFrame::over(low, high)};
+    out_.uv.reserve(vertex_uv_.size());
+    for (Vec2f uv : vertex_uv_) out_.uv.push_back(out_.uv_frames[0].pack(uv));
+  }
+
+  std::uint32_t grid_vertex(std::uint32_t i, std::uint32_t j) const { return grid_vertices_[j * grid_width_ + i]; }
+
+  // The coarsest spacing (a power of two) of a square of the grid beyond which all vertices are copies of others.
+  std::uint32_t spacing(std::uint32_t i0, std::uint32_t j0, std::uint32_t size) const {
+    if (mesh_.frozen.empty()) return 1;
+    for (std::uint32_t step = 1; step < size; step *= 2)
+      for (std::uint32_t j = 0; j <= size; j += step)
+        for (std::uint32_t i = 0; i <= size; i += step)
+          if (((i | j) & step) && !mesh_.frozen[grid_vertex(i0 + i, j0 + j)].is_copy) return step;
+    return size;
+  }
+
+  // As one grid, or as four where one of these may be coarser.
+  void add_square(std::uint32_t i0, std::uint32_t j0, std::uint32_t size) {
+    constexpr std::uint32_t smallest_split = 16;
+    const std::uint32_t step = spacing(i0, j0, size), half = size / 2;
+    if (!mesh_.frozen.empty() && size / step >= smallest_split) {
+      const std::uint32_t steps[4] = {spacing(i0, j0, half), spacing(i0 + half, j0, half), spacing(i0, j0 + half, half),
+                                      spacing(i0 + half, j0 + half, half)};
+      if (*std::max_element(steps, steps + 4) > step) {
+        for (std::uint32_t k = 0; k < 4; ++k) add_square(i0 + (k % 2) * half, j0 + (k / 2) * half, half);
+        return;
+      }
+    }
+    const auto base = std::uint32_t(out_.positions.size());
+    const auto width = std::uint16_t(size / step + 1);
+    for (std::uint32_t j = 0; j <= size; j += step)
+      for (std::uint32_t i = 0; i <= size; i += step) add_vertex(grid_vertex(i0 + i, j0 + j));
+    out_.grids.push_back({base, width, width, grid_origin_, 0});
+  }
+
+  bool is_shown_together(std::uint32_t v, std::uint32_t w) const {
+    return !mesh_.frozen.empty() && mesh_.frozen[v].is_frozen && mesh_.frozen[w].is_frozen &&
+           mesh_.frozen[v].position == mesh_.frozen[w].position;
+  }
+
   std::uint32_t add_vertex(std::uint32_t v) {
+    if (!mesh_.frozen.empty() && mesh_.frozen[v].is_frozen) {
+      const FrozenVertex& frozen = mesh_.frozen[v];
+      out_.positions.push_back(frozen.position);
+      out_.normals.push_back(PackedNormal::pack(frozen.normal));
+      vertex_uv_.push_back(frozen.uv);
+      return std::uint32_t(out_.positions.size()) - 1;
+    }
     out_.positions.push_back(Vec3f(surface_.positions[v]));
-    out_.normals.push_back(Vec3f(surface_.normals[v]));
-    out_.uv.push_back({float(uv_[v].x), float(uv_[v].y)});
+    out_.normals.push_back(PackedNormal::pack(Vec3f(surface_.normals[v])));
+    vertex_uv_.push_back({float(uv_[v].x), float(uv_[v].y)});
     return std::uint32_t(out_.positions.size()) - 1;
   }
   std::uint32_t shared_vertex(std::uint32_t v) {
@@ -89,14 +158,22 @@ class Tessellator {
   const LimitSurface surface_;
   const std::vector<Vec2d> uv_;
   std::vector<std::uint32_t> grid_vertices_, shared_;
+  std::vector<Vec2f> vertex_uv_;  // of the output
+  std::uint32_t grid_width_ = 0, grid_origin_ = 0;
   Tessellation out_;
 };
 
 }  // namespace
 
+LimitSurface shown_surface(const CellMesh& cell, const std::optional<RefineOptions>& smoothing) {
+  if (smoothing) return limit_surface(cell.mesh, cell.owned_faces, *smoothing);
+  return {cell.mesh.positions, vertex_normals(cell.mesh)};
+}
+
 std::size_t Tessellation::bytes() const {
   return capacity_bytes(positions) + capacity_bytes(normals) + capacity_bytes(uv) + capacity_bytes(grids) +
-         capacity_bytes(triangles) + capacity_bytes(triangle_origins) + capacity_bytes(origins);
+         capacity_bytes(triangles) + capacity_bytes(triangle_sources) + capacity_bytes(uv_frames) +
+         capacity_bytes(origins);
 }
 
 Bounds3f Tessellation::bounds() const {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include "geometry/cells/model.h"
+#include "geometry/cells/packing.h"
+#include "geometry/mesh/limit.h"
 
 #include <array>
 #include <optional>
@@ -17,14 +19,20 @@ struct Tessellation {
     std::uint32_t first_vertex;
     std::uint16_t width, height;
     std::uint32_t origin;
+    std::uint32_t uv_frame;
+  };
+  struct TriangleSource {
+    std::uint32_t origin;
+    std::uint32_t uv_frame;
   };
 
   std::vector<Vec3f> positions;
-  std::vector<Vec3f> normals;  // unit, outwards
-  std::vector<Vec2f> uv;
+  std::vector<PackedNormal> normals;  // outwards
+  std::vector<PackedUv> uv;
   std::vector<Grid> grids;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint32_t> triangle_origins;
+  std::vector<TriangleSource> triangle_sources;
+  std::vector<UvFrame> uv_frames;
   std::vector<FaceOrigin> origins;
   std::uint64_t face_count = 0;  // owned faces of the final mesh, before polygons were cut into triangles
 
@@ -32,10 +40,14 @@ struct Tessellation {
   Bounds3f bounds() const;
 };
 
+// Where the vertices of a mesh lie that is shown as it is, and their normals: with `smoothing` on the limit surface of
+// that scheme, without, the mesh's own and the means of its face normals.
+LimitSurface shown_surface(const CellMesh& cell, const std::optional<RefineOptions>& smoothing);
+
 // Of the final mesh of a cell with one ring of halo. `root_corners` holds the corner counts of the owned faces from
 // which the last `refinements` Catmull-Clark steps made the mesh (each quad a square of 4^refinements faces, each n-gon
-// n squares of 4^(refinements - 1)). With `smoothing`, the scheme of a model that ends in plain smoothing, positions
-// and normals are those of its limit surface; without, the mesh's own and the means of its face normals.
+// n squares of 4^(refinements - 1)). Positions and normals are those of shown_surface(), frozen vertices are shown
+// where they were frozen; squares in which the last refinements made nothing but copies become coarser grids.
 Tessellation tessellate(const CellMesh& cell, std::span<const std::uint32_t> root_corners, int refinements,
                         const std::optional<RefineOptions>& smoothing);
 

@@ -19,6 +19,15 @@
 
 namespace meristem {
 
+// What is shown of a vertex that is as fine as wanted, however much further the mesh around it is refined.
+struct FrozenVertex {
+  bool is_frozen = false;
+  bool is_copy = false;  // came into being frozen: shown where another vertex is
+  Vec3f position;
+  Vec3f normal;
+  Vec2f uv;
+};
+
 struct Mesh {
   // Faces: corners of face f are corner_vertices[face_starts[f] .. face_starts[f + 1])
   std::vector<std::uint32_t> face_starts{0};
@@ -37,6 +46,9 @@ struct Mesh {
   std::vector<Key> vertex_keys;
   std::vector<Vec2d> uv;                // present after the first subdivision (then corner_uv is empty)
   std::vector<float> vertex_sharpness;  // empty or one a vertex
+  // Level of detail (geometry/cells/level_of_detail.h); empty where everything is wanted in full.
+  std::vector<double> nominal_scale;  // the local scale that refinement alone leaves; 0: not measured yet
+  std::vector<FrozenVertex> frozen;   // empty: none is
 
   std::vector<FaceOrigin> origins;
 

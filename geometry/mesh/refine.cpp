@@ -2,6 +2,8 @@
 
 #include "geometry/base/check.h"
 
+#include <algorithm>
+
 namespace meristem {
 
 namespace {
@@ -158,6 +160,48 @@ std::vector<Key> refined_vertex_keys(const Mesh& mesh, const RefinePlan& plan, K
   return keys;
 }
 
+// Every refinement halves the scale, which varies smoothly over the surface.
+std::vector<double> refined_nominal_scale(const Mesh& mesh, const RefinePlan& plan) {
+  const std::vector<double>& in = mesh.nominal_scale;
+  std::vector<double> out(in.empty() ? 0 : plan.kept_vertices);
+  if (in.empty()) return out;
+  auto set = [&](std::uint32_t v, double scale) {
+    if (v < plan.kept_vertices) out[v] = scale;
+  };
+  for (const auto& v : plan.face_vertices) {
+    double sum = 0;
+    for (std::uint32_t c : mesh.corners(v.face)) sum += in[c];
+    set(v.out, 0.5 * sum / mesh.corner_count(v.face));
+  }
+  for (const auto& v : plan.edge_vertices) set(v.out, 0.25 * (in[v.ends[0]] + in[v.ends[1]]));
+  for (const auto& v : plan.vertex_vertices) set(v.out, 0.5 * in[v.vertex]);
+  return out;
+}
+
+// A vertex on an edge whose ends are both frozen is shown at one of these, a vertex in a face all of whose corners are
+// at the first of these: so faces that are as fine as wanted stay whole, and both sides of an edge agree.
+std::vector<FrozenVertex> refined_frozen(const Mesh& mesh, const RefinePlan& plan) {
+  const std::vector<FrozenVertex>& in = mesh.frozen;
+  std::vector<FrozenVertex> out(in.empty() ? 0 : plan.kept_vertices);
+  if (in.empty()) return out;
+  auto copy = [&](std::uint32_t from, std::uint32_t to) {
+    out[to] = in[from];
+    out[to].is_copy = true;
+  };
+  for (const auto& v : plan.face_vertices) {
+    const auto corners = mesh.corners(v.face);
+    if (v.out < plan.kept_vertices &&
+        std::all_of(corners.begin(), corners.end(), [&](auto c) { return in[c].is_frozen; }))
+      copy(corners[0], v.out);
+  }
+  for (const auto& v : plan.edge_vertices)
+    if (v.out < plan.kept_vertices && in[v.ends[0]].is_frozen && in[v.ends[1]].is_frozen)
+      copy(v.ends[mesh.vertex_keys[v.ends[0]] < mesh.vertex_keys[v.ends[1]] ? 0 : 1], v.out);
+  for (const auto& v : plan.vertex_vertices)
+    if (v.out < plan.kept_vertices) out[v.out] = in[v.vertex];
+  return out;
+}
+
 double mean_diagonal(const std::vector<Vec3d>& p, const std::uint32_t* c, std::uint32_t count) {
   if (count == 4) return 0.5 * (length(p[c[2]] - p[c[0]]) + length(p[c[3]] - p[c[1]]));
   return (length(p[c[1]] - p[c[0]]) + length(p[c[2]] - p[c[1]]) + length(p[c[0]] - p[c[2]])) / 3;
@@ -227,6 +271,8 @@ RefinedMesh refine(const Mesh& mesh, const RefinePlan& plan, const Quantum& quan
   out.uv.assign(refined.uv.begin(), refined.uv.begin() + plan.kept_vertices);
   out.face_keys = refined_face_keys(mesh, plan, step_key);
   out.vertex_keys = refined_vertex_keys(mesh, plan, step_key);
+  out.nominal_scale = refined_nominal_scale(mesh, plan);
+  out.frozen = refined_frozen(mesh, plan);
   out.origins = mesh.origins;
   out.face_origins.reserve(plan.face_parents.size());
   for (std::uint32_t parent : plan.face_parents) out.face_origins.push_back(mesh.face_origins[parent]);

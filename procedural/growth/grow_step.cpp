@@ -95,6 +95,8 @@ class GrowStep::Application {
     o.vertex_keys = m.vertex_keys;
     o.uv = m.uv;
     o.vertex_sharpness = m.vertex_sharpness;
+    o.nominal_scale = m.nominal_scale;
+    o.frozen = m.frozen;
     has_sharpness_ = !m.corner_sharpness.empty();
     step.rules_->for_each([&](const Production& p) { has_sharpness_ = has_sharpness_ || p.crease() > 0; });
     kept_origins_.assign(m.origins.size(), unused);
@@ -195,6 +197,8 @@ class GrowStep::Application {
     for (std::size_t i = 0; i < grown_.vertices.size(); ++i)
       o.add_vertex(step_.quantum_.round(grown_.vertices[i]), hash_keys(face_key, step_.key_salt_, vertex_tag, i));
     if (!o.vertex_sharpness.empty()) o.vertex_sharpness.resize(o.positions.size(), 0);
+    if (!o.nominal_scale.empty()) o.nominal_scale.resize(o.positions.size(), 0);
+    if (!o.frozen.empty()) o.frozen.resize(o.positions.size());
     if (!o.uv.empty()) add_vertex_uv();
   }
 

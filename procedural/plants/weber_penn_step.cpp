@@ -88,6 +88,8 @@ class WeberPennStep::Application {
     Mesh& o = out_.mesh;
     if (!in_.mesh.corner_sharpness.empty()) o.corner_sharpness.resize(o.corner_vertices.size(), 0);
     if (!in_.mesh.vertex_sharpness.empty()) o.vertex_sharpness.resize(o.positions.size(), 0);
+    if (!in_.mesh.nominal_scale.empty()) o.nominal_scale.resize(o.positions.size());
+    if (!in_.mesh.frozen.empty()) o.frozen.resize(o.positions.size());
   }
 
  private:
@@ -121,7 +123,18 @@ class WeberPennStep::Application {
       o.vertex_sharpness.resize(o.positions.size(), 0);
       o.vertex_sharpness.push_back(m.vertex_sharpness[v]);
     }
-    return kept = o.add_vertex(m.positions[v], m.vertex_keys[v]);
+    o.add_vertex(m.positions[v], m.vertex_keys[v]);
+    keep_detail(m.nominal_scale, v, o.nominal_scale);
+    keep_detail(m.frozen, v, o.frozen);
+    return kept = o.vertex_count() - 1;
+  }
+
+  // New vertices have none yet.
+  template <class T>
+  void keep_detail(const std::vector<T>& from, std::uint32_t v, std::vector<T>& to) {
+    if (from.empty()) return;
+    to.resize(out_.mesh.positions.size());
+    to.back() = from[v];
   }
 
   void keep(std::uint32_t f) {
@@ -151,11 +164,15 @@ class WeberPennStep::Application {
     return {step_.level_, key, axes, q[bud_length], q[bud_base_radius], q[bud_children], q[bud_inset], q[bud_scale]};
   }
 
+  double footprint_at(Vec3d root) const {
+    return in_.footprint ? std::max(plant_.footprint, in_.footprint->at(root)) : plant_.footprint;
+  }
+
   void grow(std::uint32_t f, const FaceOrigin& origin) {
     const Stem stem(plant_.parameters, bud_of(f, origin));
     const Draws draws(stem.bud().key);
     const PlantDetail detail = plant_detail(plant_.parameters, step_.level_, stem.bud().radius, stem.segment_length(),
-                                            plant_.footprint, plant_.is_smoothed);
+                                            footprint_at(stem.bud().frame.origin), plant_.is_smoothed);
     const std::uint32_t before = out_.mesh.face_count();
     grown_.begin_bud(in_.mesh.face_keys[f]);
     if (draws.uniform(shown) < detail.stem_share) mesh_stem(stem, plant_.parameters, detail.stem, plant_.bark, grown_);

@@ -37,6 +37,7 @@ class WeberPennStep final : public Step {
   Extent bound(const Extent& e) const override;
   bool grows(std::int32_t symbol) const override { return symbol == bud_symbol(level_); }
   std::string symbol_name(std::int32_t symbol) const override { return grows(symbol) ? "bud of " + name() : ""; }
+  bool thins() const override { return true; }
   void set_quantum(const Quantum& quantum) override { quantum_ = quantum; }
 
  private:

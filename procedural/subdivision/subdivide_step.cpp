@@ -83,6 +83,10 @@ std::vector<float> least_parameter(const Mesh& before, const RefinePlan& plan, s
 
 double largest(const Interval& i) { return std::max(std::abs(double(i.lower)), std::abs(double(i.upper))); }
 
+double largest_length(const IntervalValue& v) {
+  return std::min(length(Vec3d{largest(v.x), largest(v.y), largest(v.z)}), double(v.max_length));
+}
+
 }  // namespace
 
 const Symbols& placement_symbols() {
@@ -158,12 +162,7 @@ void SubdivideStep::place_vertices(const Mesh& before, const RefinePlan& plan, c
   }
 }
 
-Extent SubdivideStep::bound(const Extent& e) const {
-  Extent after = e;
-  if (!settings_.place) {
-    after.refine(0);
-    return after;
-  }
+IntervalValue SubdivideStep::placement_bounds(const Extent& e, double scale) const {
   std::array<IntervalValue, slot_count> inputs{};
   auto interval = [](double lower, double upper) {
     return Interval{std::nextafterf(float(lower), -INFINITY), std::nextafterf(float(upper), INFINITY)};
@@ -174,20 +173,31 @@ Extent SubdivideStep::bound(const Extent& e) const {
     constexpr float one = 1.0f + 1e-6f;
     inputs[s] = {{-one, one}, {-one, one}, {-one, one}, one};
   }
-  inputs[slot_scale] = IntervalValue::scalar(0, interval(0, e.refined_scale()).upper);
+  inputs[slot_scale] = IntervalValue::scalar(0, interval(0, scale).upper);
   inputs[slot_u].x = e.u;
   inputs[slot_v].x = e.v;
   inputs[slot_level] = IntervalValue::scalar(float(settings_.level), float(settings_.level));
   inputs[slot_kind] = IntervalValue::scalar(0, 2);
   for (int i = 0; i < max_growth_parameters; ++i)
     inputs[std::size_t(slot_parameter + i)] = IntervalValue::scalar(-INFINITY, INFINITY);
-  const IntervalValue offset = settings_.place->evaluate_bounds(inputs);
+  return settings_.place->evaluate_bounds(inputs);
+}
 
-  const Vec3d reach{largest(offset.x), largest(offset.y), largest(offset.z)};
+Extent SubdivideStep::bound(const Extent& e) const {
+  Extent after = e;
+  if (!settings_.place) {
+    after.refine(0);
+    return after;
+  }
+  const IntervalValue offset = placement_bounds(e, e.refined_scale());
   after.box.lower += min(Vec3d{offset.x.lower, offset.y.lower, offset.z.lower}, Vec3d{});
   after.box.upper += max(Vec3d{offset.x.upper, offset.y.upper, offset.z.upper}, Vec3d{});
-  after.refine(std::min(length(reach), double(offset.max_length)));
+  after.refine(largest_length(offset));
   return after;
+}
+
+double SubdivideStep::offset_bound(const Extent& before, double scale) const {
+  return settings_.place ? largest_length(placement_bounds(before, scale)) : 0;
 }
 
 }  // namespace meristem

@@ -34,9 +34,12 @@ class SubdivideStep final : public Step {
   bool displaces() const override { return settings_.place != nullptr; }
   bool refines() const override { return true; }
   std::optional<RefineOptions> refinement() const override { return settings_.refine; }
+  double offset_bound(const Extent& before, double scale) const override;
   void set_quantum(const Quantum& quantum) override { settings_.quantum = quantum; }
 
  private:
+  // Of the displacement of vertices in that extent whose local scale is at most `scale`.
+  IntervalValue placement_bounds(const Extent& e, double scale) const;
   void place_vertices(const Mesh& before, const RefinePlan& plan, const RefinedMesh& refined, Mesh& mesh) const;
 
   Settings settings_;

@@ -56,6 +56,10 @@ void add_scene_options(CLI::App& app, RenderOptions& o) {
     o.crop = parse_crop(t);
   })->group(scene_group);
   app.add_option("--camera", o.load.camera, "one of the scene's cameras, by name")->group(scene_group);
+  app.add_option("--detail", o.load.detail, "wanted size of faces in pixels; 0: everything in full")
+      ->type_name("PX")
+      ->check(CLI::Range(0.0, 1024.0))
+      ->group(scene_group);
   app.add_option("--seed", o.load.seed, "of all random numbers")->group(scene_group);
   app.add_option("--max-depth", o.load.max_depth, "bounces of a path")->check(CLI::Range(0, 1024))->group(scene_group);
   app.add_option("--threads", o.load.threads, "0: all processors")->check(CLI::Range(0, 1024))->group(scene_group);

@@ -11,10 +11,10 @@ namespace meristem {
 
 // Kinds whose components are named by a member "type": camera, light, material, integrator, sampler, filter, base.
 // Kinds of other shapes:
-//   step        recognised by a member of the component's own name: { "subdivide": 2 }
+//   step, model recognised by a member of the component's own name: { "subdivide": 2 }, { "scatter": [...] }
 //   template    named by a member "template", beside the members of the production it stands in
 //   production  one component; its objects hold a template's members as well
-//   section     an object of the scene file without a type: model, object, render
+//   section     an object of the scene file without a type: object, render
 struct Catalogue {
   std::vector<ComponentInfo> components;
   std::map<std::string, std::string>

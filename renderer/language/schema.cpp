@@ -185,8 +185,8 @@ class SchemaMaker {
   void add_kind(const std::string& kind) {
     if (kind == "section")
       add_sections();
-    else if (kind == "step")
-      add_steps();
+    else if (kind == "step" || kind == "model")
+      add_by_member(kind);
     else if (kind == "production")
       add_production();
     else if (kind == "template")
@@ -201,21 +201,21 @@ class SchemaMaker {
   }
 
   // Told apart by "if" rather than "oneOf", so that an error names the member that is wrong.
-  void add_steps() {
+  void add_by_member(const std::string& kind) {
     Value keys = array({}), branches = array({});
-    for (const ComponentInfo* step : catalogue_.of_kind("step")) {
-      Value schema = component_schema(*step, "", true);
-      if (!is_required(schema, step->name)) require(schema, step->name);
-      define("step." + step->name, std::move(schema));
-      const Value has_key = object({{"required", texts({step->name})}});
+    for (const ComponentInfo* component : catalogue_.of_kind(kind)) {
+      Value schema = component_schema(*component, "", true);
+      if (!is_required(schema, component->name)) require(schema, component->name);
+      define(kind + "." + component->name, std::move(schema));
+      const Value has_key = object({{"required", texts({component->name})}});
       keys.items.push_back(has_key);
-      branches.items.push_back(object({{"if", has_key}, {"then", reference("step." + step->name)}}));
+      branches.items.push_back(object({{"if", has_key}, {"then", reference(kind + "." + component->name)}}));
     }
     if (keys.items.empty()) return;
-    define("step", object({{"description", text("one step of a model, recognised by the member of its name")},
-                           {"type", text("object")},
-                           {"anyOf", std::move(keys)},
-                           {"allOf", std::move(branches)}}));
+    define(kind, object({{"description", text("a " + kind + ", recognised by the member of its name")},
+                         {"type", text("object")},
+                         {"anyOf", std::move(keys)},
+                         {"allOf", std::move(branches)}}));
   }
 
   static bool is_required(const Value& schema, const std::string& key) {
@@ -291,7 +291,9 @@ class SchemaMaker {
         {"include", described("files of this folder whose materials and models are taken over",
                               object({{"anyOf", array({type("string"), names})}}))},
         {"materials", described("materials by name", map_of("material"))},
-        {"models", described("models by name: a base mesh and the steps that refine and grow it", map_of("model"))},
+        {"models",
+         described("models by name: a base mesh and the steps that refine and grow it, or other models placed",
+                   map_of("model"))},
         {"objects", described("where models stand", list_of("object"))},
         {"lights", described("what lights the scene", list_of("light"))},
         {"camera", described("where the scene is seen from", reference_to_describe("camera"))},

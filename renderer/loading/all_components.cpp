@@ -5,8 +5,8 @@
 #include "procedural/subdivision/subdivide.h"
 #include "renderer/components.h"
 #include "renderer/loading/load_model.h"
+#include "renderer/loading/load_part.h"
 #include "renderer/loading/load_settings.h"
-#include "renderer/loading/load_world.h"
 
 namespace meristem {
 
@@ -28,8 +28,9 @@ Catalogue make_catalogue() {
   auto add = [&](const std::vector<ComponentInfo>& infos) {
     result.components.insert(result.components.end(), infos.begin(), infos.end());
   };
-  add({info_of("section", "model",
-               "what an object is made of: a base mesh and the steps that refine it and let it grow", read_model),
+  add({info_of("model", "base", "a base mesh and the steps that refine it and let it grow", read_model),
+       info_of("model", "scatter", "models strewn over the ground that another model makes", read_scatter),
+       info_of("model", "group", "models placed one by one, as one model", read_group),
        info_of("section", "object", "a model placed in the world", read_object),
        info_of("section", "render", "size, quality and memory of the image", read_render)});
   add(all.bases.infos());

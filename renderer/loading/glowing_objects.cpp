@@ -26,11 +26,11 @@ const Material& material_of(const Scene& scene, const FaceOrigin& origin) {
 // The triangles of one object in world space.
 class Triangles {
  public:
-  Triangles(const WorldObject& object, int index, Scene& scene) : object_(object), index_(index), scene_(scene) {}
+  Triangles(const Placement& object, int index, Scene& scene) : object_(object), index_(index), scene_(scene) {}
 
   void add(const Tessellation& surface) {
     for (std::size_t i = 0; i < surface.triangles.size(); ++i)
-      add(surface, surface.triangles[i], surface.triangle_origins[i]);
+      add(surface, surface.triangles[i], surface.triangle_sources[i].origin);
     for (const Tessellation::Grid& grid : surface.grids) add_grid(surface, grid);
   }
 
@@ -51,13 +51,13 @@ class Triangles {
     if (!material.may_emit()) return;
     LightTriangle triangle{{}, {}, surface.origins[origin], index_};
     for (std::size_t k = 0; k < 3; ++k) {
-      triangle.corners[k] = Vec3f(object_.to_world.point(Vec3d(surface.positions[corners[k]])));
-      triangle.uv[k] = surface.uv[corners[k]];
+      triangle.corners[k] = Vec3f(object_.to_parent.point(Vec3d(surface.positions[corners[k]])));
+      triangle.uv[k] = surface.uv_frames[0].unpack(surface.uv[corners[k]]);
     }
     scene_.lights.push_back(std::make_unique<TriangleLight>(triangle, material));
   }
 
-  const WorldObject& object_;
+  const Placement& object_;
   const int index_;
   Scene& scene_;
 };
@@ -72,13 +72,14 @@ void add_expanded(const Model& model, CellMesh cell, int level, Triangles& trian
 
 }  // namespace
 
-void add_glowing_objects(const std::vector<WorldObject>& objects, Scene& scene) {
+void add_glowing_objects(std::vector<Placement>& objects, Scene& scene) {
   if (std::ranges::none_of(scene.materials, [](const auto& m) { return m->may_emit(); })) return;
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    const Model& model = *objects[i].model;
-    if (estimated_faces(model) > max_glowing_faces) continue;
+    const Part& part = *objects[i].part;
+    if (!part.model || part.placer || estimated_faces(*part.model) > max_glowing_faces) continue;
+    objects[i].in_full = true;
     Triangles triangles(objects[i], int(i), scene);
-    add_expanded(model, root_cell(model), 0, triangles);
+    add_expanded(*part.model, root_cell(*part.model), 0, triangles);
   }
 }
 

@@ -11,7 +11,8 @@ namespace meristem {
 // Objects of up to this many final faces; light of larger ones is found by bounces alone.
 constexpr double max_glowing_faces = 4096;
 
-// Appends a light for each triangle of the objects' glowing faces. Expands those objects whole.
-void add_glowing_objects(const std::vector<WorldObject>& objects, Scene& scene);
+// Appends a light for each triangle of the objects' glowing faces. Expands those objects whole, and has
+// them shown whole: what is sampled must be what is hit.
+void add_glowing_objects(std::vector<Placement>& objects, Scene& scene);
 
 }  // namespace meristem

@@ -34,6 +34,8 @@ class ModelBuilder {
 
     Mesh base = build_base(section, params);
     if (section.steps) read_steps(*section.steps);
+    if (context_.levels > 0 && std::size_t(context_.levels) < steps_.size())
+      steps_.resize(std::size_t(context_.levels));
     symbols_->report_terminals(diagnostics_);
     if (has_errors_since(errors_before)) return nullptr;
     check_corner_counts(base, steps_, diagnostics_);

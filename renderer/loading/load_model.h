@@ -23,6 +23,7 @@ struct ModelContext {
   std::string folder;                                                                 // of the scene's assets
   Diagnostics& diagnostics;
   CellSettings cells = {};
+  int levels = 0;  // of the steps, if not all: 0
 };
 
 // Builds the model called `name` in the variant `seed`. Null, with errors in the diagnostics, if it cannot be.

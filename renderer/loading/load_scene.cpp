@@ -5,17 +5,38 @@
 #include "renderer/language/scene_file.h"
 #include "renderer/loading/all_components.h"
 #include "renderer/loading/glowing_objects.h"
+#include "renderer/loading/load_part.h"
 #include "renderer/loading/load_settings.h"
-#include "renderer/loading/load_world.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 
 namespace meristem {
 
 namespace {
+
+// What the scene's camera wants to see of geometry.
+class CameraFootprint final : public Footprint {
+ public:
+  CameraFootprint(const Camera& camera, const RenderSettings& settings) : camera_(camera), settings_(settings) {}
+  double at(Vec3d position) const override {
+    constexpr double smallest = 1e-9;  // at the camera itself
+    return std::max(settings_.detail * double(camera_.footprint(Vec3f(position), settings_.width, settings_.height)),
+                    smallest);
+  }
+
+ private:
+  const Camera& camera_;
+  const RenderSettings settings_;
+};
+
+std::shared_ptr<const Footprint> camera_footprint(const Scene& scene) {
+  if (scene.settings.detail <= 0) return nullptr;
+  return std::make_shared<CameraFootprint>(*scene.camera, scene.settings);
+}
 
 class SceneBuilder {
  public:
@@ -43,13 +64,15 @@ class SceneBuilder {
     const ModelContext context{
         [this](const std::string& name, const Location& where) { return material_index(name, where); }, folder(),
         diagnostics_};
-    std::vector<WorldObject> world = build_objects(models, objects, context);
+    PartLibrary library(models, context);
+    std::vector<Placement> world = objects ? library.place(*objects) : std::vector<Placement>{};
+    library.check_unused();
     diagnostics_.throw_if_errors();
 
     add_glowing_objects(world, *scene_);
     const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
-    scene_->intersector =
-        make_world(std::move(world), {options_.expand, scene_->settings.budget_bytes, threads, options_.record});
+    scene_->intersector = make_world(std::move(world), {options_.expand, scene_->settings.budget_bytes, threads,
+                                                        camera_footprint(*scene_), options_.record});
     if (!options_.check_only) scene_->prepare();
     return {std::move(scene_), sha256(file.location.source ? file.location.source->text : ""), diagnostics_.list()};
   }
@@ -146,6 +169,7 @@ class SceneBuilder {
     s.height = options_.height.value_or(s.height);
     s.samples = options_.samples.value_or(s.samples);
     s.max_depth = options_.max_depth.value_or(s.max_depth);
+    s.detail = options_.detail.value_or(s.detail);
     s.seed = options_.seed.value_or(s.seed);
     s.budget_bytes = options_.budget_bytes.value_or(s.budget_bytes);
   }

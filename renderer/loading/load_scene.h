@@ -24,9 +24,10 @@ struct LoadOptions {
   std::optional<std::uint64_t> budget_bytes;  // of the geometry cache
   std::optional<int> width, height, samples, max_depth;
   std::optional<std::uint64_t> seed;
-  bool record = false;      // what expansion does, for Intersector::profile()
-  bool check_only = false;  // the scene will not be rendered: Scene::prepare() is left out
-  std::string camera;       // name of one of the file's cameras; empty: the file's first
+  std::optional<double> detail;  // pixels; 0: everything in full
+  bool record = false;           // what expansion does, for Intersector::profile()
+  bool check_only = false;       // the scene will not be rendered: Scene::prepare() is left out
+  std::string camera;            // name of one of the file's cameras; empty: the file's first
 };
 
 struct LoadedScene {

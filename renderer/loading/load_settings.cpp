@@ -12,11 +12,10 @@ namespace {
 constexpr int largest_side = 65536;
 
 void read_size(Params& params, RenderSettings& settings) {
-  const Value* size = params.raw(
-      "size", false,
-      R"({"type": "array", "items": {"type": "integer", "minimum": 1, "maximum": 65536}, )"
-      R"("minItems": 2, "maxItems": 2, "default": [1280, 720]})",
-      "width and height of the image in pixels");
+  const Value* size = params.raw("size", false,
+                                 R"({"type": "array", "items": {"type": "integer", "minimum": 1, "maximum": 65536}, )"
+                                 R"("minItems": 2, "maxItems": 2, "default": [1280, 720]})",
+                                 "width and height of the image in pixels");
   if (!size) return;
   auto is_side = [](const Value& v) {
     return v.kind == Value::Kind::Number && v.number >= 1 && v.number <= largest_side &&
@@ -56,6 +55,8 @@ RenderSection read_render(Params& params) {
   s.samples = params.integer("samples", s.samples, {1, 1 << 20, ""}, "camera paths for each pixel");
   s.max_depth = params.integer("max_depth", s.max_depth, {0, 1024, ""},
                                "bounces of a path at most; 0: emission only, 1: direct light");
+  s.detail = params.real("detail", s.detail, {0, 1024, "px"},
+                         "wanted size of faces: finer levels are left out; 0: none is, however small");
   s.seed = std::uint64_t(
       params.integer("seed", 0, {0, 2147483647, ""}, "another seed gives other noise, not another scene"));
   const std::string budget = params.text("budget", "2G", "memory for expanded geometry, such as 512M or 2G");

@@ -15,6 +15,7 @@ struct RenderSettings {
   int width = 1280, height = 720;
   int samples = 64;
   int max_depth = 8;  // bounces
+  double detail = 1;  // wanted size of faces in pixels; 0: every level, however small
   std::uint64_t seed = 0;
   std::uint64_t budget_bytes = std::uint64_t(2) << 30;  // of the geometry cache
 };

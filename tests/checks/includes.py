@@ -13,7 +13,7 @@ import tempfile
 # A name with a dot is a file: that of a layer's root, or a generated one.
 LAYERS = {
     "geometry": ["base", "fields", "mesh", "cells", "cache", "accel", "volumes io"],
-    "procedural": ["subdivision", "growth", "components.h", "plants motion clutter signing"],
+    "procedural": ["subdivision", "growth", "components.h", "plants scatter motion clutter signing"],
     "renderer": [
         "scene",
         "color image",

@@ -15,9 +15,9 @@ struct Traced {
 
 // Rays from all sides; small cells and a small budget, so that many are expanded again.
 Traced trace(bool record) {
-  std::vector<WorldObject> objects(1);
-  objects[0].model = bumpy_model(shapes::prism(8), 5, 0.1, {64, 64});
-  const auto world = make_world(std::move(objects), {.budget_bytes = std::size_t(400) << 10, .record = record});
+  Placement object;
+  object.part = std::make_shared<const Part>(bumpy_model(shapes::prism(8), 5, 0.1, {64, 64}));
+  const auto world = make_world({object}, {.budget_bytes = std::size_t(400) << 10, .record = record});
   Traced result;
   for (int i = 0; i < 130; ++i) {
     const double a = i * 2.4, z = (i % 50) / 25.0 - 1;

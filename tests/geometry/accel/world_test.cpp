@@ -24,10 +24,12 @@ Ray ray_towards(Key key) {
   return Ray{from, normalize(to - from)};
 }
 
+Placement place(std::shared_ptr<const Model> model, const Affine3d& to_world = {}) {
+  return {std::make_shared<const Part>(std::move(model)), to_world, 0, true};
+}
+
 std::unique_ptr<Intersector> world_of(std::shared_ptr<const Model> model, const WorldOptions& options) {
-  std::vector<WorldObject> objects(1);
-  objects[0].model = std::move(model);
-  return make_world(std::move(objects), options);
+  return make_world({place(std::move(model))}, options);
 }
 
 std::uint64_t bits_of(const SurfaceHit& hit) {
@@ -127,12 +129,11 @@ TEST(World, NoRayEscapesFromInside) {
 
 TEST(World, TransformedObjectsMatchTransformedRays) {
   const auto model = bumpy_model(shapes::cube(), 4, 0.2, small_cells);
-  const Affine3d place =
+  const Affine3d to_world =
       Affine3d::translation({3, 1, -2}) * Affine3d::rotation({0, 1, 0}, 0.7) * Affine3d::scaling({1, 2, 0.5});
   const auto plain = world_of(model, {}),
-             placed =
-                 make_world({WorldObject{model, place}, WorldObject{model, Affine3d::translation({100, 0, 0})}}, {});
-  const Affine3f m{Vec3f(place.x), Vec3f(place.y), Vec3f(place.z), Vec3f(place.origin)};
+             placed = make_world({place(model, to_world), place(model, Affine3d::translation({100, 0, 0}))}, {});
+  const Affine3f m{Vec3f(to_world.x), Vec3f(to_world.y), Vec3f(to_world.z), Vec3f(to_world.origin)};
   int hits = 0;
   for (int i = 0; i < 1000; ++i) {
     const Ray ray = ray_towards(Key(i));

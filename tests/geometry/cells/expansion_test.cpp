@@ -36,7 +36,7 @@ using Corner = std::array<float, 6>;
 using Edge = std::pair<Corner, Corner>;
 
 Corner corner(const Tessellation& t, std::uint32_t v) {
-  const Vec3f p = t.positions[v], n = t.normals[v];
+  const Vec3f p = t.positions[v], n = t.normals[v].unpack();
   return {p.x, p.y, p.z, n.x, n.y, n.z};
 }
 
@@ -136,7 +136,7 @@ TEST(Expansion, OneLeafIsGridsWithUnitNormals) {
   ASSERT_EQ(leaves.size(), 1u);
   EXPECT_EQ(leaves[0].grids.size(), 8u + 2 * 8);   // eight quads, and two octagons of eight quads each
   EXPECT_EQ(leaves[0].face_count, (8u + 4) * 64);  // quads give 4^3, an octagon gives 8 * 4^2
-  for (Vec3f n : leaves[0].normals) EXPECT_NEAR(length(n), 1, 1e-5);
+  for (PackedNormal n : leaves[0].normals) EXPECT_NEAR(length(n.unpack()), 1, 1e-5);
 }
 
 TEST(Expansion, SmoothModelsEndOnTheirLimitSurface) {
@@ -150,7 +150,7 @@ TEST(Expansion, SmoothModelsEndOnTheirLimitSurface) {
         for (std::size_t w = 0; w < u.positions.size(); ++w)
           if (const float error = length(u.positions[w] - t.positions[v]); error < position_error) {
             position_error = error;
-            normal_error = length(u.normals[w] - t.normals[v]);
+            normal_error = length(u.normals[w].unpack() - t.normals[v].unpack());
           }
       EXPECT_LT(position_error, 1e-6f);
       EXPECT_LT(normal_error, 1e-6f);

@@ -81,7 +81,8 @@ TEST_F(WholeProgram, RendersToImagesAndFigures) {
 }
 
 TEST_F(WholeProgram, FiguresSayWhatExpansionDid) {
-  ASSERT_EQ(run(branch_scene(), {"render", "a.jsonc", "-o", "a.exr", "--stats", "s.json", "-q"}), 0) << error_;
+  ASSERT_EQ(run(branch_scene(), {"render", "a.jsonc", "-o", "a.exr", "--stats", "s.json", "-q", "--detail", "0"}), 0)
+      << error_;
   EXPECT_EQ(error_, "");
   const Value s = statistics();
   const Value& expansion = *s.find("expansion");

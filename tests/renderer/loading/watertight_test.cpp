@@ -135,8 +135,8 @@ TEST(Watertight, NoRayLeavesAClosedBranch) {
   const auto model = model_of(branch_text(), 0, small_cells);
   const Borders borders(*model);
   EXPECT_GT(borders.count(), 5000u);
-  const auto world = make_world({WorldObject{model, {}}}, {}),
-             flat = make_world({WorldObject{model, {}}}, {.mode = ExpandMode::Flat});
+  const Placement object{std::make_shared<const Part>(model), {}, 0, true};
+  const auto world = make_world({object}, {}), flat = make_world({object}, {.mode = ExpandMode::Flat});
   Counts counts;
   std::atomic<int> next{0};
   run_threads(2, [&](int) {

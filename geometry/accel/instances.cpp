@@ -1,0 +1,123 @@
+#include "geometry/accel/instances.h"
+
+namespace meristem {
+
+namespace {
+
+Affine3f to_float(const Affine3d& m) { return {Vec3f(m.x), Vec3f(m.y), Vec3f(m.z), Vec3f(m.origin)}; }
+
+// The ray in the frame of an instance; its direction keeps its length, so t is the same in both.
+void transform(const Affine3f& m, RTCRay& ray) {
+  const Vec3f o = m.point({ray.org_x, ray.org_y, ray.org_z});
+  const Vec3f d = m.vector({ray.dir_x, ray.dir_y, ray.dir_z});
+  ray.org_x = o.x, ray.org_y = o.y, ray.org_z = o.z;
+  ray.dir_x = d.x, ray.dir_y = d.y, ray.dir_z = d.z;
+}
+
+// The state of the ray while it is inside an instance.
+class Inside {
+ public:
+  Inside(RayContext& context, const Affine3f* to_parent, Key path, int object)
+      : context_(context), frame_{to_parent, context.frame}, previous_path_(context.path) {
+    if (to_parent) context.frame = &frame_;
+    context.path = hash_keys(context.path, path);
+    if (object >= 0) context.object = object;
+  }
+  ~Inside() {
+    context_.frame = frame_.to_parent ? frame_.parent : context_.frame;
+    context_.path = previous_path_;
+  }
+  Inside(const Inside&) = delete;
+  Inside& operator=(const Inside&) = delete;
+
+ private:
+  RayContext& context_;
+  const RayContext::Frame frame_;
+  const Key previous_path_;
+};
+
+void instance_bounds(const RTCBoundsFunctionArguments* args) {
+  const Bounds3f& b = static_cast<const Instances*>(args->geometryUserPtr)->list()[args->primID].bounds();
+  *args->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, 0};
+}
+
+void intersect_instance(const RTCIntersectFunctionNArguments* args) {
+  if (!args->valid[0]) return;
+  static_cast<const Instances*>(args->geometryUserPtr)
+      ->list()[args->primID]
+      .intersect(*reinterpret_cast<RayContext*>(args->context), *reinterpret_cast<RTCRayHit*>(args->rayhit));
+}
+
+void occluded_instance(const RTCOccludedFunctionNArguments* args) {
+  if (!args->valid[0]) return;
+  static_cast<const Instances*>(args->geometryUserPtr)
+      ->list()[args->primID]
+      .occluded(*reinterpret_cast<RayContext*>(args->context), *reinterpret_cast<RTCRay*>(args->ray));
+}
+
+}  // namespace
+
+Instance::Instance(const ModelRoot& root, const Affine3d& to_parent, Key path, int object)
+    : root_(&root),
+      to_parent_(to_float(to_parent)),
+      from_parent_(to_float(to_parent.inverse())),
+      bounds_(root.bounds()),
+      path_(path),
+      object_(object),
+      is_identity_(to_parent.is_identity()) {
+  if (!is_identity_) bounds_ = round_outwards(to_parent.bounds(Bounds3d{Vec3d(bounds_.lower), Vec3d(bounds_.upper)}));
+}
+
+void Instance::intersect(RayContext& context, RTCRayHit& ray) const {
+  const Inside inside(context, is_identity_ ? nullptr : &to_parent_, path_, object_);
+  if (is_identity_) return root_->intersect(context, ray);
+  RTCRayHit local = ray;
+  transform(from_parent_, local.ray);
+  root_->intersect(context, local);
+  ray.ray.tfar = local.ray.tfar;
+  ray.hit = local.hit;
+}
+
+void Instance::occluded(RayContext& context, RTCRay& ray) const {
+  if (is_identity_) return root_->occluded(context, ray);
+  RTCRay local = ray;
+  transform(from_parent_, local);
+  root_->occluded(context, local);
+  ray.tfar = local.tfar;
+}
+
+Instances::Instances(std::vector<Instance> instances, std::vector<std::unique_ptr<ModelRoot>> owned)
+    : instances_(std::move(instances)), owned_(std::move(owned)) {
+  bytes_ = sizeof(*this) + instances_.capacity() * sizeof(Instance);
+  for (const auto& root : owned_) bytes_ += root->bytes() + sizeof(root);
+  for (const Instance& i : instances_) bounds_.extend(i.bounds());
+  if (instances_.size() < 2) return;
+  scene_.reset(rtcNewScene(embree_device()));
+  rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
+  RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(geometry, unsigned(instances_.size()));
+  rtcSetGeometryUserData(geometry, this);
+  rtcSetGeometryBoundsFunction(geometry, instance_bounds, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, intersect_instance);
+  rtcSetGeometryOccludedFunction(geometry, occluded_instance);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene_.get(), geometry);
+  rtcReleaseGeometry(geometry);
+  bytes_ += commit_scene(scene_.get());
+}
+
+void Instances::intersect(RayContext& context, RTCRayHit& ray) const {
+  if (scene_)
+    rtcIntersect1(scene_.get(), &context.embree, &ray);
+  else if (!instances_.empty())
+    instances_[0].intersect(context, ray);
+}
+
+void Instances::occluded(RayContext& context, RTCRay& ray) const {
+  if (scene_)
+    rtcOccluded1(scene_.get(), &context.embree, &ray);
+  else if (!instances_.empty())
+    instances_[0].occluded(context, ray);
+}
+
+}  // namespace meristem

@@ -1,0 +1,38 @@
+// Roots: makes what rays are traced into of the parts of a scene, and keeps those that several placements share.
+#pragma once
+
+#include "geometry/accel/instances.h"
+#include "geometry/accel/world.h"
+
+#include <map>
+#include <mutex>
+#include <tuple>
+
+namespace meristem {
+
+class Roots {
+ public:
+  // Cache and counts must outlive it.
+  Roots(ExpandMode mode, int threads, GeometryCache& cache, ExpansionCounts& counts)
+      : mode_(mode), threads_(threads), cache_(cache), counts_(counts) {}
+
+  // Places parts in a frame whose footprint is given (null: everything in full). `parent`: the cache entry that will
+  // own them. Any thread; expands nothing but in flat mode.
+  std::unique_ptr<Instances> place(const std::vector<Placement>& placements,
+                                   const std::shared_ptr<const Footprint>& footprint, CacheEntry* parent,
+                                   Key individual, bool are_objects);
+
+ private:
+  std::unique_ptr<ModelRoot> make(RootSource source);
+  const ModelRoot& shared(RootSource source, const Placement& placement);
+
+  const ExpandMode mode_;
+  const int threads_;
+  GeometryCache& cache_;
+  ExpansionCounts& counts_;
+  std::mutex mutex_;
+  // By part, individual and, where the footprint is constant, its size.
+  std::map<std::tuple<const Part*, Key, double>, std::unique_ptr<ModelRoot>> shared_;
+};
+
+}  // namespace meristem

@@ -1,0 +1,45 @@
+// Footprint: how coarse geometry may be where: the wanted size of a face, by position in the model's space.
+//
+// What level of detail is decided from, and all that geometry knows of a camera. A pure function: never of what is
+// cached, of threads or of rays. Immutable; any thread.
+#pragma once
+
+#include "geometry/base/transform.h"
+
+#include <memory>
+
+namespace meristem {
+
+class Footprint {
+ public:
+  virtual ~Footprint() = default;
+  // The size a face may have at a point, in units of the model; positive.
+  virtual double at(Vec3d position) const = 0;
+};
+
+// The same everywhere: for objects so small or so far away that it hardly varies over them.
+class ConstantFootprint final : public Footprint {
+ public:
+  explicit ConstantFootprint(double size) : size_(size) {}
+  double at(Vec3d) const override { return size_; }
+
+ private:
+  double size_;
+};
+
+// A footprint seen from the space of an object that is placed where it holds.
+class ObjectFootprint final : public Footprint {
+ public:
+  ObjectFootprint(std::shared_ptr<const Footprint> parent, const Affine3d& to_parent);
+  double at(Vec3d position) const override { return parent_->at(to_parent_.point(position)) / stretch_; }
+
+ private:
+  const std::shared_ptr<const Footprint> parent_;
+  const Affine3d to_parent_;
+  const double stretch_;  // the most that to_parent lengthens a vector
+};
+
+// A bound on the factor by which an affine map lengthens any vector (exact for similarities).
+double largest_stretch(const Affine3d& map);
+
+}  // namespace meristem

@@ -1,0 +1,35 @@
+// Level of detail: which vertices of a cell are as fine as wanted ("only to that extent that the geometry can be
+// approximated well enough", the paper's section 6).
+//
+// Decided by vertex, from the vertex alone, so that all cells that hold it decide alike without talking to each other:
+// a vertex *freezes* at the first level where its nominal scale (the local scale that smooth refinement alone leaves:
+// it varies gently where the displaced surface is rough), the displacements still to come and the growth still to come
+// on its faces are all within the footprint there. A frozen vertex is shown where it was frozen, whatever finer levels
+// make of it; an edge between two frozen vertices is not split (the vertex that refinement puts there is shown at one
+// of them), so neighbours of different levels meet without cracks or T-vertices. A cell whose vertices are all frozen
+// is final. M(n) itself, the mesh of level n, never depends on what is frozen.
+#pragma once
+
+#include "geometry/cells/model.h"
+
+namespace meristem {
+
+// Freezes what is fine enough in a cell before step `level`; returns whether every vertex of its owned faces is frozen
+// now or would be: then the cell is final as it is (and nothing new has been marked). False without a footprint.
+bool freeze_vertices(const Model& model, CellMesh& cell, int level);
+
+// Takes the symbols of faces on which everything that will ever grow is smaller than the footprint.
+void leave_out_small_growth(const Model& model, CellMesh& cell, int level);
+
+// About how many final faces come of a face of a cell before step `level`. For cutting cells only.
+double wanted_faces(const Model& model, const CellMesh& cell, std::uint32_t face, int level);
+
+// The most refinements that a vertex of the owned faces still wants, were it not to move.
+int wanted_refinements(const Model& model, const CellMesh& cell, int level);
+
+// Measures the nominal scale of vertices that have none yet: the mean over their faces of the mean diagonal. All are
+// measured anew two refinements after growth or the base mesh: most of what smoothing takes off a coarse cage is gone
+// then. For cells with a footprint; done by freeze_vertices() too.
+void measure_nominal_scale(const Model& model, CellMesh& cell, int level);
+
+}  // namespace meristem

@@ -1,0 +1,15 @@
+// What is known of a part of a mesh before a step, as bounds analysis starts from it.
+#pragma once
+
+#include "geometry/cells/model.h"
+#include "geometry/mesh/adjacency.h"
+
+#include <span>
+
+namespace meristem {
+
+// The extent of the listed faces before step `level`; the mesh must hold two complete rings around them.
+Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adjacency,
+                     std::span<const std::uint32_t> faces, int level);
+
+}  // namespace meristem

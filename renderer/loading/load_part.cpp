@@ -1,0 +1,182 @@
+#include "renderer/loading/load_part.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace meristem {
+
+namespace {
+
+Affine3d placement(Vec3d position, Vec3d rotate, Vec3d scale) {
+  const Vec3d r = rotate * (pi / 180);
+  return Affine3d::translation(position) * Affine3d::rotation({0, 1, 0}, r.y) * Affine3d::rotation({1, 0, 0}, r.x) *
+         Affine3d::rotation({0, 0, 1}, r.z) * Affine3d::scaling(scale);
+}
+
+// Scale as one number or three, none of them zero.
+Vec3d read_scale(Params& params) {
+  const Value* scale =
+      params.raw("scale", false,
+                 R"({"oneOf": [{"type": "number"}, )"
+                 R"({"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}], "default": 1})",
+                 "size: one number, or one along each axis");
+  if (!scale) return Vec3d(1);
+  Vec3d s(1);
+  auto is_number = [](const Value& v) { return v.kind == Value::Kind::Number && v.number != 0; };
+  if (is_number(*scale))
+    s = Vec3d(scale->number);
+  else if (scale->kind == Value::Kind::Array && scale->items.size() == 3 && is_number(scale->items[0]) &&
+           is_number(scale->items[1]) && is_number(scale->items[2]))
+    s = {scale->items[0].number, scale->items[1].number, scale->items[2].number};
+  else
+    params.error("scale", "\"scale\" is a number or [x, y, z], none of them 0");
+  return s;
+}
+
+}  // namespace
+
+ObjectSection read_object(Params& params) {
+  ObjectSection section;
+  section.model = params.required_text("model", "name of one of the file's models");
+  section.seed =
+      params.integer("seed", 0, {0, 2147483647, ""}, "another seed grows another individual of the same kind");
+  const Vec3d position = params.vector("position", {0, 0, 0}, any_range, "where the model's origin stands, in metres");
+  const Vec3d rotate =
+      params.vector("rotate", {0, 0, 0}, {-36000, 36000, "deg"}, "turns about x, y and z: first z, then x, then y");
+  section.to_world = placement(position, rotate, read_scale(params));
+  return section;
+}
+
+ScatterSection read_scatter(Params& params) {
+  ScatterSection section;
+  section.models = params.raw(
+      "scatter", true,
+      R"({"type": "array", "minItems": 1, "items": {"type": "object", "properties": {"model": {"type": "string"}, )"
+      R"("weight": {"type": "number", "exclusiveMinimum": 0, "default": 1}}, "required": ["model"], )"
+      R"("additionalProperties": false}})",
+      "the models to strew, each with a weight");
+  section.on = params.required_text("on", "name of the model that makes the ground; it is not shown by this");
+  section.levels = params.integer(
+      "levels", 0, {0, 64, ""}, "levels of the ground's steps that decide where things stand; finer ones are ignored");
+  section.settings = read_scatter_settings(params);
+  return section;
+}
+
+GroupSection read_group(Params& params) {
+  return {params.raw("group", true, R"({"type": "array", "items": {"$ref": "#/definitions/object"}})",
+                     "objects, as in the scene's own list")};
+}
+
+std::vector<Placement> PartLibrary::place(const Value& objects) {
+  std::vector<Placement> placements;
+  if (objects.kind == Value::Kind::Array)
+    for (const Value& object : objects.items) add_object(object, placements);
+  else
+    context_.diagnostics.error(objects.location,
+                               fmt::format("a list of objects is an array, found {}", objects.kind_name()));
+  return placements;
+}
+
+void PartLibrary::add_object(const Value& value, std::vector<Placement>& placements) {
+  if (value.kind != Value::Kind::Object)
+    return context_.diagnostics.error(
+        value.location, fmt::format("an object is {{\"model\": name, ...}}, found {}", value.kind_name()));
+  Params params(value, "object", context_.diagnostics);
+  const ObjectSection section = read_object(params);
+  params.finish();
+  if (auto made = part(section.model, section.seed, params, "model"))
+    placements.push_back({std::move(made), section.to_world, 0, true});
+}
+
+void PartLibrary::check_unused() {
+  if (!models_) return;
+  for (const Member& m : models_->members)
+    if (!used_.count(m.key)) build(m.key, m.value, 0);
+}
+
+std::shared_ptr<const Part> PartLibrary::part(const std::string& model, int seed, Params& params, const char* name) {
+  const Value* value = models_ ? models_->find(model) : nullptr;
+  if (!value) {
+    if (params.has(name)) params.error(name, unknown_model(model));
+    return nullptr;
+  }
+  used_.insert(model);
+  const auto [known, is_new] = built_.try_emplace({model, seed});
+  if (!is_new && known->second) return known->second;
+  if (!under_construction_.insert(model).second) {
+    params.error(name, fmt::format("model \"{}\" places itself", model));
+    return nullptr;
+  }
+  auto made = is_new ? build(model, *value, seed) : nullptr;
+  under_construction_.erase(model);
+  return built_[{model, seed}] = std::move(made);
+}
+
+std::shared_ptr<const Part> PartLibrary::build(const std::string& name, const Value& value, int seed) {
+  if (value.kind == Value::Kind::Object && value.find("scatter")) return build_scatter(name, value, seed);
+  if (value.kind == Value::Kind::Object && value.find("group")) return build_group(value);
+  auto model = build_model(name, value, seed, context_);
+  return model ? std::make_shared<const Part>(std::move(model)) : nullptr;
+}
+
+std::shared_ptr<const Part> PartLibrary::build_group(const Value& value) {
+  Params params(value, "model \"group\"", context_.diagnostics);
+  const GroupSection section = read_group(params);
+  params.finish();
+  if (!section.objects) return nullptr;
+  std::vector<Placement> placements = place(*section.objects);
+  return placements.empty() ? nullptr : std::make_shared<const Part>(std::move(placements));
+}
+
+std::shared_ptr<const Part> PartLibrary::build_scatter(const std::string& name, const Value& value, int seed) {
+  Params params(value, "model \"scatter\"", context_.diagnostics);
+  const ScatterSection section = read_scatter(params);
+  params.finish();
+  if (!section.models) return nullptr;
+  auto choices = read_choices(*section.models, seed);
+  const Value* ground_value = models_->find(section.on);
+  if (!ground_value || !ground_value->find("base")) {
+    if (params.has("on"))
+      params.error("on", ground_value ? fmt::format("\"{}\" has no base mesh: it makes no ground", section.on)
+                                      : unknown_model(section.on));
+    return nullptr;
+  }
+  used_.insert(section.on);
+  ModelContext context = context_;
+  context.cells = {.leaf_faces = 64, .keeps_leaf_meshes = true};
+  context.levels = section.levels;
+  auto ground = build_model(section.on, *ground_value, seed, context);
+  if (!ground || choices.empty()) return nullptr;
+  try {
+    const Key salt = hash_keys(hash_text(name), Key(seed));
+    return std::make_shared<const Part>(std::move(ground),
+                                        std::make_shared<const Scatter>(section.settings, std::move(choices), salt));
+  } catch (const std::runtime_error& error) {
+    params.error("scale", error.what());
+    return nullptr;
+  }
+}
+
+std::vector<Scatter::Choice> PartLibrary::read_choices(const Value& list, int seed) {
+  std::vector<Scatter::Choice> choices;
+  for (const Value& item : list.items) {
+    Params params(item, "scattered model", context_.diagnostics);
+    const std::string name = params.required_text("model", "name of one of the file's models");
+    const double weight = params.real("weight", 1, {1e-9, 1e9, ""}, "how often, beside the others");
+    params.finish();
+    if (auto made = part(name, seed, params, "model")) choices.push_back({std::move(made), weight});
+  }
+  return choices;
+}
+
+std::string PartLibrary::unknown_model(const std::string& name) const {
+  std::vector<std::string> names;
+  if (models_)
+    for (const Member& m : models_->members) names.push_back(m.key);
+  const std::string_view near = nearest_name(name, names);
+  return fmt::format("no model named \"{}\"{}; known: {}", name,
+                     near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), fmt::join(names, ", "));
+}
+
+}  // namespace meristem

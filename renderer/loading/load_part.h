@@ -1,0 +1,64 @@
+// Models that place other models: the members "scatter" and "group" of a model in a scene file.
+#pragma once
+
+#include "geometry/cells/part.h"
+#include "procedural/scatter/scatter.h"
+#include "renderer/loading/load_model.h"
+
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+namespace meristem {
+
+struct ScatterSection {
+  const Value* models = nullptr;  // a list of { "model": name, "weight": number }
+  std::string on;                 // the model that makes the ground
+  int levels = 0;                 // of its steps
+  ScatterSettings settings;
+};
+ScatterSection read_scatter(Params& params);
+
+struct GroupSection {
+  const Value* objects = nullptr;
+};
+GroupSection read_group(Params& params);
+
+// An object: a model in its place.
+struct ObjectSection {
+  std::string model;
+  int seed = 0;
+  Affine3d to_world;
+};
+ObjectSection read_object(Params& params);
+
+// Builds the models of a scene file when they are first named, once for each seed.
+class PartLibrary {
+ public:
+  // `models`: the section as written; null if absent.
+  PartLibrary(const Value* models, const ModelContext& context) : models_(models), context_(context) {}
+
+  // The placements of a list of objects. Errors go to the diagnostics; what is wrong is left out.
+  std::vector<Placement> place(const Value& objects);
+  // Models that nothing names are checked all the same.
+  void check_unused();
+
+ private:
+  // Of the model that the member `name` of `params` names. Null if there is none or it cannot be built.
+  std::shared_ptr<const Part> part(const std::string& model, int seed, Params& params, const char* name);
+  std::shared_ptr<const Part> build(const std::string& name, const Value& value, int seed);
+  std::shared_ptr<const Part> build_scatter(const std::string& name, const Value& value, int seed);
+  std::shared_ptr<const Part> build_group(const Value& value);
+  std::vector<Scatter::Choice> read_choices(const Value& list, int seed);
+  void add_object(const Value& value, std::vector<Placement>& placements);
+  std::string unknown_model(const std::string& name) const;
+
+  const Value* models_;
+  const ModelContext& context_;
+  std::map<std::pair<std::string, int>, std::shared_ptr<const Part>> built_;
+  std::set<std::string> under_construction_;
+  std::set<std::string> used_;
+};
+
+}  // namespace meristem

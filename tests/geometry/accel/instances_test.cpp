@@ -1,0 +1,125 @@
+#include "geometry/accel/world.h"
+#include "tests/support/point_footprint.h"
+#include "tests/support/test_model.h"
+
+#include <gtest/gtest.h>
+
+namespace meristem {
+namespace {
+
+std::shared_ptr<const Part> part_of(std::shared_ptr<const Model> model) {
+  return std::make_shared<const Part>(std::move(model));
+}
+
+std::shared_ptr<const Part> group_of(std::vector<Placement> members) {
+  return std::make_shared<const Part>(std::move(members));
+}
+
+const CellSettings small_cells{64, 64};
+
+Ray towards_origin(Key key) {
+  const double a = 2 * pi * uniform_double(hash_keys(key, 1)), y = 2 * uniform_double(hash_keys(key, 2)) - 1;
+  const Vec3f from{float(6 * std::cos(a)), float(3 * y), float(6 * std::sin(a))};
+  return {from, normalize(Vec3f(0) - from)};
+}
+
+// Groups in groups give what one placement by the product of their transforms gives.
+TEST(Instances, NestAsDeepAsWished) {
+  const auto model = bumpy_model(shapes::cube(), 3, 0.2, small_cells);
+  const Affine3d turn = Affine3d::rotation({0, 1, 0}, 0.3), move = Affine3d::translation({0.1, 0.2, 0}),
+                 shrink = Affine3d::scaling({0.9, 1.1, 1});
+  auto nested = part_of(model);
+  Affine3d product;
+  for (int depth = 0; depth < 4; ++depth)
+    for (const Affine3d& m : {turn, move, shrink}) {
+      nested = group_of({{nested, m, 0, true}});
+      product = m * product;
+    }
+  const auto deep = make_world({{nested, {}, 0, true}}, {}),
+             flat = make_world({{part_of(model), product, 0, true}}, {});
+  int hits = 0;
+  for (int i = 0; i < 500; ++i) {
+    SurfaceHit a, b;
+    const bool found = deep->intersect(towards_origin(Key(i)), a);
+    if (found != flat->intersect(towards_origin(Key(i)), b)) continue;  // grazing rays may differ by rounding
+    if (!found) continue;
+    ++hits;
+    EXPECT_NEAR(a.t, b.t, 1e-4f);
+    EXPECT_LT(length(a.position - b.position), 1e-4f);
+    EXPECT_LT(length(a.position - (towards_origin(Key(i)).origin + towards_origin(Key(i)).direction * a.t)),
+              length(a.position_error) + 2e-5f);
+  }
+  EXPECT_GT(hits, 300);
+}
+
+// Distinct individuals differ, those with one key do not.
+TEST(Instances, IndividualsDifferByTheirKeys) {
+  const auto part = part_of(bumpy_model(shapes::cube(), 3, 0.2, small_cells));
+  const auto world = make_world({{part, {}, 1, true},
+                                 {part, Affine3d::translation({100, 0, 0}), 1, true},
+                                 {part, Affine3d::translation({200, 0, 0}), 2, false}},
+                                {});
+  int same = 0, different = 0;
+  for (int i = 0; i < 100; ++i) {
+    Ray ray = towards_origin(Key(i));
+    SurfaceHit a, b, c;
+    world->intersect(ray, a);
+    ray.origin.x += 100;
+    world->intersect(ray, b);
+    ray.origin.x += 100;
+    world->intersect(ray, c);
+    same += std::abs(a.t - b.t) < 1e-4f;
+    different += std::abs(a.t - c.t) > 1e-4f;
+  }
+  EXPECT_EQ(same, 100);
+  EXPECT_GT(different, 80);
+}
+
+// Far placements of one individual share what is expanded; near ones have their own level of detail.
+TEST(Instances, DistantOnesShareCells) {
+  const auto part = part_of(bumpy_model(shapes::cube(), 4, 0.2, small_cells));
+  std::vector<Placement> row;
+  for (int i = 0; i < 50; ++i) row.push_back({part, Affine3d::translation({1000.0 + i, 0, 3.0 * i}), 0, true});
+  const auto world = make_world(row, {.footprint = std::make_shared<const PointFootprint>(Vec3d(0), 1e-3)});
+  SurfaceHit hit;
+  for (int i = 0; i < 50; ++i) EXPECT_TRUE(world->intersect({{900, 0.1f, 3.0f * float(i)}, {1, 0, 0}}, hit));
+  EXPECT_LT(world->statistics().cells_expanded, 8u);
+}
+
+TEST(Instances, LazyAndEagerGiveTheSameBits) {
+  const auto cube = part_of(bumpy_model(shapes::cube(), 4, 0.2, small_cells));
+  const auto pair = group_of(
+      {{cube, Affine3d::translation({-1, 0, 0}), 3, false}, {cube, Affine3d::translation({1, 0, 0}), 4, false}});
+  const std::vector<Placement> objects{{pair, {}, 0, true}, {pair, Affine3d::translation({0, 2.5, 0}), 9, false}};
+  const auto footprint = std::make_shared<const PointFootprint>(Vec3d(6, 0, 0), 0.02);
+  const auto eager = make_world(objects, {.mode = ExpandMode::Eager, .footprint = footprint}),
+             lazy = make_world(objects, {.budget_bytes = 100 << 10, .footprint = footprint});
+  for (int i = 0; i < 2000; ++i) {
+    SurfaceHit a, b;
+    EXPECT_EQ(eager->intersect(towards_origin(Key(i)), a), lazy->intersect(towards_origin(Key(i)), b));
+    EXPECT_EQ(a.t, b.t);
+    EXPECT_EQ(a.position, b.position);
+    EXPECT_EQ(a.u, b.u);
+    lazy->quiescent();
+  }
+  EXPECT_GT(lazy->statistics().reexpanded, 0u);
+  EXPECT_TRUE(lazy->statistics().defects.empty());
+}
+
+// Where cells of different levels meet, inside and outside stay apart.
+TEST(Instances, NoRayEscapesThroughMixedDetail) {
+  const auto part = part_of(bumpy_model(shapes::prism(8), 7, 0.2, small_cells));
+  const auto footprint = std::make_shared<const PointFootprint>(Vec3d(1.3, 1, 0), 0.02);
+  const auto world = make_world({{part, {}, 0, true}}, {.footprint = footprint});
+  int escaped = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const double z = 1 - 2 * uniform_double(hash_keys(Key(i), 1)), a = 2 * pi * uniform_double(hash_keys(Key(i), 2)),
+                 s = std::sqrt(1 - z * z);
+    escaped += !world->occluded({{0, 1, 0}, {float(s * std::cos(a)), float(s * std::sin(a)), float(z)}});
+  }
+  EXPECT_EQ(escaped, 0);
+  EXPECT_TRUE(world->statistics().defects.empty());
+}
+
+}  // namespace
+}  // namespace meristem

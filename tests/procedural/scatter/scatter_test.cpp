@@ -1,0 +1,124 @@
+#include "procedural/scatter/scatter.h"
+
+#include "geometry/cells/expansion.h"
+#include "tests/support/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+namespace meristem {
+namespace {
+
+// A horizontal square of side 100 as 10 x 10 quads, facing up.
+CellMesh meadow() {
+  Mesh mesh;
+  for (int j = 0; j <= 10; ++j)
+    for (int i = 0; i <= 10; ++i) mesh.add_vertex({10.0 * i, 0, 10.0 * j}, hash_keys(Key(i), Key(j)));
+  mesh.origins.emplace_back();
+  for (std::uint32_t j = 0; j < 10; ++j)
+    for (std::uint32_t i = 0; i < 10; ++i) {
+      const std::uint32_t a = j * 11 + i;
+      mesh.add_face(std::array{a, a + 11, a + 12, a + 1}, hash_keys(7, Key(a)), 0);
+    }
+  CellMesh cell;
+  cell.owned_faces = mesh.face_count();
+  cell.rings.assign(mesh.face_count(), 0);
+  cell.mesh = std::move(mesh);
+  return cell;
+}
+
+std::shared_ptr<const Part> cube() {
+  return std::make_shared<const Part>(
+      std::make_shared<const Model>("cube", shapes::cube(), std::vector<std::unique_ptr<Step>>{}));
+}
+
+ScatterSettings settings(const char* density, const char* scale) {
+  ScatterSettings s;
+  s.density = Expression::compile(density, ground_symbols(), ValueType::Scalar);
+  s.scale = Expression::compile(scale, ground_symbols(), ValueType::Scalar);
+  return s;
+}
+
+std::vector<Placement> placed(const Scatter& scatter, const CellMesh& ground) {
+  std::vector<Placement> list;
+  scatter.place(ground, 0, list);
+  return list;
+}
+
+TEST(Scatter, DensityIsTheNumberForEachSquareMetre) {
+  double total = 0;
+  for (Key seed = 0; seed < 20; ++seed)
+    total += double(placed(Scatter(settings("0.05", "1"), {{cube(), 1}}, seed), meadow()).size());
+  // 20 x 10^4 m^2 x 0.05; only the fraction of each face is left to chance
+  EXPECT_NEAR(total, 10000, 4 * std::sqrt(2000 * 0.25));
+}
+
+TEST(Scatter, DensityMayVaryOverTheGround) {
+  const auto list = placed(Scatter(settings("P[0] < 50 ? 0.2 : 0", "1"), {{cube(), 1}}, 1), meadow());
+  EXPECT_GT(list.size(), 900u);
+  for (const Placement& p : list) EXPECT_LT(p.to_parent.origin.x, 50);
+}
+
+TEST(Scatter, PlacesSpreadEvenlyOverAFace) {
+  int quadrant[4] = {};
+  for (Key seed = 0; seed < 10; ++seed)
+    for (const Placement& p : placed(Scatter(settings("0.1", "1"), {{cube(), 1}}, seed), meadow())) {
+      const double x = std::fmod(p.to_parent.origin.x, 10), z = std::fmod(p.to_parent.origin.z, 10);
+      ++quadrant[(x > 5) + 2 * (z > 5)];
+    }
+  for (int count : quadrant) EXPECT_NEAR(count, 2500, 4 * std::sqrt(2500.0));
+}
+
+TEST(Scatter, AFaceIsFurnishedAlikeInEveryCell) {
+  const CellMesh all = meadow();
+  CellMesh part = all;
+  part.owned_faces = 30;
+  const Scatter scatter(settings("0.03", "0.5 + rand()"), {{cube(), 1}}, 5);
+  const auto whole = placed(scatter, all), some = placed(scatter, part);
+  ASSERT_LT(some.size(), whole.size());
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    EXPECT_EQ(some[i].to_parent, whole[i].to_parent);
+    EXPECT_EQ(some[i].individual, whole[i].individual);
+  }
+}
+
+TEST(Scatter, NoTwoAreAlikeUnlessVariantsAreAskedFor) {
+  std::set<Key> distinct, variants;
+  ScatterSettings s = settings("0.05", "1");
+  for (const Placement& p : placed(Scatter(s, {{cube(), 1}}, 1), meadow())) {
+    distinct.insert(p.individual);
+    EXPECT_FALSE(p.is_shared);
+  }
+  EXPECT_GT(distinct.size(), 450u);
+  s.variants = 6;
+  for (const Placement& p : placed(Scatter(s, {{cube(), 1}}, 1), meadow())) variants.insert(p.individual);
+  EXPECT_EQ(variants.size(), 6u);
+}
+
+TEST(Scatter, WeightsChooseAmongKinds) {
+  const auto a = cube(), b = cube();
+  int count_a = 0;
+  const auto list = placed(Scatter(settings("0.5", "1"), {{a, 3}, {b, 1}}, 2), meadow());
+  for (const Placement& p : list) count_a += p.part == a;
+  EXPECT_NEAR(count_a, 0.75 * double(list.size()), 4 * std::sqrt(double(list.size()) * 0.19));
+}
+
+TEST(Scatter, NothingReachesBeyondItsReach) {
+  ScatterSettings s = settings("0.1", "1 + 2*rand()");
+  s.align = 1;
+  s.sink = 0.5;
+  const Scatter scatter(s, {{cube(), 1}}, 3);
+  for (const Placement& p : placed(scatter, meadow())) {
+    const Bounds3f& b = p.part->bounds;
+    const Bounds3d there = p.to_parent.bounds(Bounds3d{Vec3d(b.lower), Vec3d(b.upper)});
+    EXPECT_LT(-there.lower.y, scatter.reach());
+    EXPECT_LT(there.upper.y, scatter.reach());
+  }
+}
+
+TEST(Scatter, ScaleNeedsABound) { EXPECT_THROW(Scatter(settings("1", "P[0]"), {{cube(), 1}}, 0), std::runtime_error); }
+
+}  // namespace
+}  // namespace meristem
