@@ -75,11 +75,12 @@ void add_expanded(const Model& model, CellMesh cell, int level, Triangles& trian
 void add_glowing_objects(std::vector<Placement>& objects, Scene& scene) {
   if (std::ranges::none_of(scene.materials, [](const auto& m) { return m->may_emit(); })) return;
   for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (scene.lights.size() > max_glowing_triangles) return;
     const Part& part = *objects[i].part;
     if (!part.model || part.placer || estimated_faces(*part.model) > max_glowing_faces) continue;
     objects[i].in_full = true;
     Triangles triangles(objects[i], int(i), scene);
-    add_expanded(*part.model, root_cell(*part.model), 0, triangles);
+    add_expanded(*part.model, root_cell(*part.model, nullptr, objects[i].individual), 0, triangles);
   }
 }
 

@@ -10,6 +10,8 @@ namespace meristem {
 
 // Objects of up to this many final faces; light of larger ones is found by bounces alone.
 constexpr double max_glowing_faces = 4096;
+// And as long as a scene has no more triangles of this kind (some 300 bytes each).
+constexpr std::size_t max_glowing_triangles = std::size_t(1) << 18;
 
 // Appends a light for each triangle of the objects' glowing faces. Expands those objects whole, and has
 // them shown whole: what is sampled must be what is hit.
