@@ -38,7 +38,11 @@ void Bsdf::set_frame(const ShadingPoint& point) {
   geometric_normal_ = point.hit.geometric_normal * side;
   frame_ = Frame(visible_normal(point.hit.shading_normal * side, geometric_normal_, point.wo));
   inside_ = side < 0 && glass > 0 && !thin_walled;
+  const float cosine = dot(frame_.n, point.wo);
+  reflected_o_ = f0 > 0 ? ggx::dielectric_albedo(cosine, alpha, f0) : 0;
+  passed_o_ = layered() ? passed_by_layers(cosine) : 1;
   diffuse_mean_ = mean_of_diffuse();
+  shares_ = shares(cosine);
 }
 
 // The mean over all directions, weighted by 2 c, of what reaches the diffuse base.
@@ -90,16 +94,14 @@ float Bsdf::coat_albedo(float c) const { return coat > 0 ? coat * ggx::dielectri
 float Bsdf::fuzz_albedo(float c) const { return fuzz > 0 ? fuzz * fuzz::albedo(c, fuzz_roughness) : 0; }
 
 // What the layers leave to a specular lobe below them.
-float Bsdf::over_specular(float cos_o, float cos_i) const {
-  return layered() ? std::min(passed_by_layers(cos_o), passed_by_layers(cos_i)) : 1;
-}
+float Bsdf::over_specular(float cos_i) const { return layered() ? std::min(passed_o_, passed_by_layers(cos_i)) : 1; }
 
 // What reaches the diffuse base and comes back out, such that its cosine-weighted integral over wi is the part of wo
 // that is not reflected above.
-float Bsdf::over_diffuse(float cos_o, float cos_i) const {
-  float passed = 1;
-  if (f0 > 0) passed = (1 - ggx::dielectric_albedo(cos_o, alpha, f0)) * (1 - ggx::dielectric_albedo(cos_i, alpha, f0));
-  if (layered()) passed *= passed_by_layers(cos_o) * passed_by_layers(cos_i);
+float Bsdf::over_diffuse(float cos_i) const {
+  float passed = (1 - reflected_o_) * passed_o_;
+  if (f0 > 0) passed *= 1 - ggx::dielectric_albedo(cos_i, alpha, f0);
+  if (layered()) passed *= passed_by_layers(cos_i);
   return passed / diffuse_mean_;
 }
 
@@ -165,14 +167,14 @@ Spectrum Bsdf::layers_reflected(Vec3f wo, Vec3f wi) const {
 
 // The BRDF, both directions on the side of wo.
 Spectrum Bsdf::reflected(Vec3f wo, Vec3f wi) const {
-  const float base = 1 - metalness, cos_h = dot(wo, normalize(wo + wi)), over = over_specular(wo.z, wi.z);
+  const float base = 1 - metalness, cos_h = dot(wo, normalize(wo + wi)), over = over_specular(wi.z);
   Spectrum mirror = fresnel(cos_h);
   if (glass > 0) {
     const float gain = glass_gain(wo.z), opaque = ggx::fresnel_dielectric(cos_h, ggx::eta_of(f0));
     mirror += dielectric_tint * (base * glass * (glass_fresnel(cos_h) * gain - opaque));
   }
   Spectrum f = mirror * (over * ggx::reflectance(wo, wi, alpha));
-  if (base > 0 && glass < 1) f += diffuse_reflectance(wo, wi) * (base * (1 - glass) * over_diffuse(wo.z, wi.z));
+  if (base > 0 && glass < 1) f += diffuse_reflectance(wo, wi) * (base * (1 - glass) * over_diffuse(wi.z));
   if (metalness > 0) f += metal_interreflection(wo.z, wi.z) * (metalness * over);
   if (!layered()) return f;
   return f * coat_color(wo.z, wi.z) + layers_reflected(wo, wi);
@@ -193,8 +195,9 @@ float Bsdf::glass_through(Vec3f wo, Vec3f wi) const {
 Spectrum Bsdf::passed_through(Vec3f wo, Vec3f wi) const {
   const float base = 1 - metalness;
   if (base == 0) return {};
-  Spectrum f = transmitted * (base * (1 - glass) * over_diffuse(wo.z, -wi.z) / pi_f);
-  if (glass > 0) f += glass_tint * (base * glass * over_specular(wo.z, -wi.z) * glass_through(wo, wi));
+  Spectrum f;
+  if (transmitted != Spectrum{}) f = transmitted * (base * (1 - glass) * over_diffuse(-wi.z) / pi_f);
+  if (glass > 0) f += glass_tint * (base * glass * over_specular(-wi.z) * glass_through(wo, wi));
   return f * coat_color(wo.z, -wi.z);
 }
 

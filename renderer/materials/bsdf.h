@@ -63,7 +63,7 @@ struct Bsdf {
   bool transmits() const { return transmitted != Spectrum{} || glass > 0; }
   // Whether wo lies inside the glass.
   bool inside() const { return inside_; }
-  // The scattered part times |cos| of wi. Zero if wo is not on the side of set_frame().
+  // The scattered part times |cos| of wi. Here and below wo is that of set_frame().
   Spectrum evaluate(Vec3f wo, Vec3f wi) const;
   // The density of sample() by solid angle.
   float pdf(Vec3f wo, Vec3f wi) const;
@@ -90,8 +90,8 @@ struct Bsdf {
   float fuzz_albedo(float c) const;
   float passed_by_layers(float c) const { return (1 - coat_albedo(c)) * (1 - fuzz_albedo(c)); }
   bool layered() const { return coat > 0 || fuzz > 0; }
-  float over_specular(float cos_o, float cos_i) const;
-  float over_diffuse(float cos_o, float cos_i) const;
+  float over_specular(float cos_i) const;
+  float over_diffuse(float cos_i) const;
   Spectrum coat_color(float cos_o, float cos_i) const;
   float eta() const;  // of the glass, from the side of wo
   float glass_fresnel(float cosine) const;
@@ -110,7 +110,10 @@ struct Bsdf {
   Vec3f geometric_normal_{0, 0, 1};  // on the side of wo
   Frame frame_;                      // around the shading normal, on the side of wo
   bool inside_ = false;              // wo is where the glass is
-  float diffuse_mean_ = 1;           // the mean of what reaches the diffuse base
+  // Of wo: what the dielectric reflects, what the layers above it pass, and the lobes' shares of samples
+  float reflected_o_ = 0, passed_o_ = 1;
+  Shares shares_;
+  float diffuse_mean_ = 1;  // the mean over all directions of what reaches the diffuse base
 };
 
 }  // namespace meristem

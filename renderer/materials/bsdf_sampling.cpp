@@ -8,20 +8,18 @@ namespace meristem {
 // Lobes are picked by their albedos, estimated.
 Bsdf::Shares Bsdf::shares(float cosine) const {
   const float base = 1 - metalness;
-  const float mirrored = f0 > 0 ? ggx::dielectric_albedo(cosine, alpha, f0) : 0;
   Shares s;
-  s.specular = base * (1 - glass) * mirrored * luminance(dielectric_tint);
-  s.diffuse = base * (1 - glass) * (1 - mirrored) * luminance(diffuse);
-  s.transmitted = base * (1 - glass) * (1 - mirrored) * luminance(transmitted);
-  s.glass = base * glass * std::max(luminance(glass_tint), mirrored);
+  s.specular = base * (1 - glass) * reflected_o_ * luminance(dielectric_tint);
+  s.diffuse = base * (1 - glass) * (1 - reflected_o_) * luminance(diffuse);
+  s.transmitted = base * (1 - glass) * (1 - reflected_o_) * luminance(transmitted);
+  s.glass = base * glass * std::max(luminance(glass_tint), reflected_o_);
   if (metalness > 0) {
     const float lost = 1 - ggx::white_albedo(cosine, alpha), f = metalness * luminance(metal_fresnel(cosine));
     s.specular += f * (1 - lost);
     s.diffuse += f * lost;
   }
   if (layered()) {
-    const float passed = passed_by_layers(cosine);
-    s.specular *= passed, s.diffuse *= passed, s.transmitted *= passed, s.glass *= passed;
+    s.specular *= passed_o_, s.diffuse *= passed_o_, s.transmitted *= passed_o_, s.glass *= passed_o_;
     s.coat = coat_albedo(cosine) * (1 - fuzz_albedo(cosine));
     s.fuzz = fuzz_albedo(cosine) * luminance(fuzz_color);
   }
@@ -31,7 +29,7 @@ Bsdf::Shares Bsdf::shares(float cosine) const {
 }
 
 float Bsdf::local_pdf(Vec3f wo, Vec3f wi) const {
-  const Shares s = shares(wo.z);
+  const Shares& s = shares_;
   if (wi.z < 0) {
     float density = s.transmitted * -wi.z / pi_f;
     if (s.glass > 0 && thin_walled) {
@@ -66,7 +64,7 @@ Bsdf::Choice Bsdf::choose_glass(Vec3f wo, Vec2f random, float choice) const {
 }
 
 Bsdf::Choice Bsdf::choose(Vec3f wo, Vec2f random, float choice) const {
-  const Shares s = shares(wo.z);
+  const Shares& s = shares_;
   auto mirrored = [&](float roughness) {
     const Vec3f h = ggx::sample_visible_normal(wo, roughness, random);
     return h * (2 * dot(wo, h)) - wo;
