@@ -78,9 +78,10 @@ void add_glowing_objects(std::vector<Placement>& objects, Scene& scene) {
     if (scene.lights.size() > max_glowing_triangles) return;
     const Part& part = *objects[i].part;
     if (!part.model || part.placer || estimated_faces(*part.model) > max_glowing_faces) continue;
-    objects[i].in_full = true;
+    const std::size_t others = scene.lights.size();
     Triangles triangles(objects[i], int(i), scene);
     add_expanded(*part.model, root_cell(*part.model, nullptr, objects[i].individual), 0, triangles);
+    if (scene.lights.size() > others) objects[i].in_full = true;  // as the lights are
   }
 }
 
