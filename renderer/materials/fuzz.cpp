@@ -1,5 +1,6 @@
 #include "renderer/materials/fuzz.h"
 
+#include "renderer/materials/lazy_rows.h"
 #include "renderer/scene/warps.h"
 
 #include <algorithm>
@@ -29,20 +30,26 @@ class AlbedoTable {
     const float y = std::clamp((roughness - min_roughness) / (1 - min_roughness), 0.f, 1.f) * (roughnesses - 1);
     const auto i = std::min(std::size_t(x), cosines - 2), k = std::min(std::size_t(y), roughnesses - 2);
     const float tx = x - float(i), ty = y - float(k);
-    auto row = [&](std::size_t r) { return values_[r][i] * (1 - tx) + values_[r][i + 1] * tx; };
+    auto row = [&](std::size_t r) {
+      const Row& values = rows_.at(r, make_row);
+      return values[i] * (1 - tx) + values[i + 1] * tx;
+    };
     return row(k) * (1 - ty) + row(k + 1) * ty;
   }
 
  private:
   static constexpr std::size_t cosines = 32, roughnesses = 20;
 
-  AlbedoTable() {
-    for (std::size_t k = 0; k < roughnesses; ++k)
-      for (std::size_t i = 0; i < cosines; ++i) {
-        const float root = float(i) / (cosines - 1);
-        values_[k][i] =
-            integral(std::max(root * root, 1e-4f), min_roughness + (1 - min_roughness) * float(k) / (roughnesses - 1));
-      }
+  using Row = std::array<float, cosines>;
+
+  static Row make_row(std::size_t k) {
+    const float roughness = min_roughness + (1 - min_roughness) * float(k) / (roughnesses - 1);
+    Row row{};
+    for (std::size_t i = 0; i < cosines; ++i) {
+      const float root = float(i) / (cosines - 1);
+      row[i] = integral(std::max(root * root, 1e-4f), roughness);
+    }
+    return row;
   }
 
   // By the midpoint rule over the hemisphere, finer towards its rim, where the fibres shine.
@@ -60,7 +67,7 @@ class AlbedoTable {
     return float(sum * 2 * pi / (rings * turns));
   }
 
-  std::array<std::array<float, cosines>, roughnesses> values_;
+  LazyRows<Row, roughnesses> rows_;
 };
 
 }  // namespace

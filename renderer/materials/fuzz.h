@@ -2,8 +2,8 @@
 //
 // Distribution: Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", equation 2 (in place of the LTC
 // fit of Zeltner, Burley, Chiang 2022 that OpenPBR names); visibility: Neubelt and Pettineo 2013. Local frame with z
-// along the normal; directions unit with z > 0. Pure functions, any thread; the table of albedos is made at its first
-// use.
+// along the normal; directions unit with z > 0. Pure functions, any thread; the rows of the table of albedos are made
+// where they are first needed.
 #pragma once
 
 #include "geometry/base/vec.h"

@@ -1,10 +1,9 @@
 #include "renderer/materials/ggx_albedo.h"
 
-#include "geometry/base/parallel.h"
 #include "renderer/materials/ggx.h"
+#include "renderer/materials/lazy_rows.h"
 
 #include <array>
-#include <vector>
 
 namespace meristem::ggx {
 namespace {
@@ -46,17 +45,20 @@ class AlbedoTable {
   static constexpr int fresnels = 16, alphas = 32, cosines = 48;
   using Layers = std::array<float, fresnels + 1>;
 
-  AlbedoTable() : albedos_(std::size_t((fresnels + 1) * alphas * cosines)) {
-    parallel_for(alphas, [&](std::size_t a) {
-      for (int c = 0; c < cosines; ++c) {
-        const Layers layers = integrate(int(a), c);
-        for (int f = 0; f <= fresnels; ++f) value(f, int(a), c) = layers[std::size_t(f)];
-      }
-      for (int f = 0; f <= fresnels; ++f) means_[std::size_t(f)][a] = integrate_mean(f, int(a));
-    });
-  }
+  struct Row {  // of one alpha
+    std::array<std::array<float, cosines>, fresnels + 1> albedos;
+    Layers means;
+  };
 
-  float& value(int f, int a, int c) { return albedos_[std::size_t((f * alphas + a) * cosines + c)]; }
+  static Row make_row(std::size_t a) {
+    Row row{};
+    for (std::size_t c = 0; c < cosines; ++c) {
+      const Layers layers = integrate(int(a), int(c));
+      for (std::size_t f = 0; f <= fresnels; ++f) row.albedos[f][c] = layers[f];
+    }
+    for (std::size_t f = 0; f <= fresnels; ++f) row.means[f] = integrate_mean(row.albedos[f]);
+    return row;
+  }
 
   // Even steps of the fourth root of alpha, from its least to 1.
   static float alpha_at(float x) { return std::pow(mix(std::pow(min_alpha, 0.25f), 1, x), 4.f); }
@@ -105,30 +107,33 @@ class AlbedoTable {
   }
 
   // Of the interpolated table, so that what divides by it keeps its energy.
-  float integrate_mean(int f, int a) const {
+  static float integrate_mean(const std::array<float, cosines>& albedos) {
     constexpr int steps = 256;
-    const float alpha = alpha_at(float(a) / (alphas - 1));
     double sum = 0;
     for (int i = 0; i < steps; ++i) {
       const float c = (float(i) + 0.5f) / steps;
-      sum += double(albedo(f, alpha, c) * 2 * c);
+      const Place p(std::sqrt(c), cosines);
+      const float* v = albedos.data() + p.index;
+      sum += double(mix(v[0], v[1], p.fraction) * 2 * c);
     }
     return float(sum / steps);
   }
 
+  const Row& row(int a) const { return rows_.at(std::size_t(a), make_row); }
   float albedo(int f, float alpha, float c) const {
     const Place a = place_of(alpha), p(std::sqrt(std::max(c, 0.f)), cosines);
-    const float* row = albedos_.data() + std::ptrdiff_t((f * alphas + a.index) * cosines + p.index);
-    return mix(mix(row[0], row[1], p.fraction), mix(row[cosines], row[cosines + 1], p.fraction), a.fraction);
+    auto at = [&](int k) {
+      const float* v = row(k).albedos[std::size_t(f)].data() + p.index;
+      return mix(v[0], v[1], p.fraction);
+    };
+    return mix(at(a.index), at(a.index + 1), a.fraction);
   }
   float mean(int f, float alpha) const {
     const Place a = place_of(alpha);
-    const auto& row = means_[std::size_t(f)];
-    return mix(row[std::size_t(a.index)], row[std::size_t(a.index) + 1], a.fraction);
+    return mix(row(a.index).means[std::size_t(f)], row(a.index + 1).means[std::size_t(f)], a.fraction);
   }
 
-  std::vector<float> albedos_;
-  std::array<std::array<float, alphas>, fresnels + 1> means_{};
+  LazyRows<Row, alphas> rows_;
 };
 
 // Over (1 - 1/eta, fourth root of alpha, root of the cosine), from outside and from inside.
@@ -143,7 +148,7 @@ class GlassTable {
     const Place n((1 - 1 / eta) / (1 - 1 / max_eta), etas), a(std::sqrt(std::sqrt(alpha)), alphas);
     const Place p(std::sqrt(std::max(c, 0.f)), cosines);
     auto row = [&](int e, int k) {
-      const float* v = values_.data() + ((inside * etas + e) * alphas + k) * cosines + p.index;
+      const float* v = rows_.at(std::size_t((inside * etas + e) * alphas + k), make_row).data() + p.index;
       return mix(v[0], v[1], p.fraction);
     };
     auto layer = [&](int e) { return mix(row(e, a.index), row(e, a.index + 1), a.fraction); };
@@ -154,16 +159,18 @@ class GlassTable {
   static constexpr int etas = 10, alphas = 20, cosines = 32;
   static constexpr float max_eta = 4;
 
-  GlassTable() : values_(std::size_t(2 * etas * alphas * cosines)) {
-    parallel_for(2 * etas * alphas, [&](std::size_t i) {
-      const auto e = int(i / alphas);
-      const float eta = 1 / (1 - (1 - 1 / max_eta) * float(e % etas) / (etas - 1));
-      const float alpha = std::max(std::pow(float(int(i) % alphas) / (alphas - 1), 4.f), min_alpha);
-      for (int c = 0; c < cosines; ++c) {
-        const float root = std::max(float(c) / (cosines - 1), 0.01f);
-        values_[i * cosines + std::size_t(c)] = integrate(root * root, alpha, e < etas ? eta : 1 / eta);
-      }
-    });
+  using Row = std::array<float, cosines>;  // of one side, eta and alpha
+
+  static Row make_row(std::size_t i) {
+    const int e = int(i) / alphas;
+    const float eta = 1 / (1 - (1 - 1 / max_eta) * float(e % etas) / (etas - 1));
+    const float alpha = std::max(std::pow(float(int(i) % alphas) / (alphas - 1), 4.f), min_alpha);
+    Row row{};
+    for (int c = 0; c < cosines; ++c) {
+      const float root = std::max(float(c) / (cosines - 1), 0.01f);
+      row[std::size_t(c)] = integrate(root * root, alpha, e < etas ? eta : 1 / eta);
+    }
+    return row;
   }
 
   // As AlbedoTable::integrate(); what is refracted is dimmed by masking alike.
@@ -183,7 +190,7 @@ class GlassTable {
     return sum / (steps * turns) / masking(wo, alpha);
   }
 
-  std::vector<float> values_;
+  LazyRows<Row, 2 * etas * alphas> rows_;
 };
 
 }  // namespace

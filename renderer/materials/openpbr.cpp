@@ -18,7 +18,6 @@
 #include "renderer/materials/bsdf.h"
 #include "renderer/materials/fuzz.h"
 #include "renderer/materials/ggx.h"
-#include "renderer/materials/ggx_albedo.h"
 #include "renderer/materials/material_textures.h"
 
 namespace meristem {
@@ -60,13 +59,6 @@ class OpenPbr : public Material {
         bump_(scalar(p, "geometry_bump", "0", -any, any, "height of fine relief in metres, shaded only")),
         thin_walled_(p.boolean("geometry_thin_walled", false, "a sheet without inside, like a leaf")) {
     if (constant_) set_parameters(MaterialValues({}), same_everywhere_);
-  }
-
-  // Makes the tables that a hit will ask.
-  void prepare() override {
-    ggx::white_mean_albedo(1);
-    if (!is_zero(transmission_weight_)) ggx::glass_albedo(1, 1, 1.5f, false);
-    if (!is_zero(fuzz_weight_)) fuzz::albedo(1, 1);
   }
 
   void evaluate(const ShadingPoint& point, Bsdf& bsdf) const override {

@@ -128,9 +128,6 @@ struct Bsdf;
 class Material {
  public:
   virtual ~Material() = default;
-  // Called once for what only rendering needs, such as tables, perhaps while evaluate() is called already, which then
-  // waits for them. May use all threads.
-  virtual void prepare() {}
   virtual void evaluate(const ShadingPoint& point, Bsdf& bsdf) const = 0;
   // Whether and what it emits: the part of evaluate()'s emission that is met on average, opacity included.
   virtual bool may_emit() const { return false; }

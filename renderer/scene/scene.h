@@ -3,7 +3,6 @@
 
 #include "renderer/scene/interfaces.h"
 
-#include <future>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,12 +30,8 @@ class Scene {
   std::unique_ptr<Intersector> intersector;
   RenderSettings settings;
 
-  // Makes what rendering needs and checking does not: tables of materials and lights. Once, before the first ray. The
-  // materials go on with theirs while the first rays are under way.
+  // Makes what rendering needs and checking does not, such as tables of lights. Once, before the first ray.
   void prepare() {
-    preparing_ = std::async(std::launch::async, [this] {
-      for (const auto& material : materials) material->prepare();
-    });
     for (const auto& light : lights) light->prepare();
     integrator->prepare(*this);
   }
@@ -45,9 +40,6 @@ class Scene {
     const int i = hit.origin ? hit.origin->material : 0;
     return *materials[i >= 0 && std::size_t(i) < materials.size() ? std::size_t(i) : 0];
   }
-
- private:
-  std::future<void> preparing_;  // last: it ends before what it prepares
 };
 
 }  // namespace meristem
