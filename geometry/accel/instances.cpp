@@ -57,11 +57,11 @@ void occluded_instance(const RTCOccludedFunctionNArguments* args) {
 
 }  // namespace
 
-Instance::Instance(const ModelRoot& root, const Affine3d& to_parent, Key path, int object)
+Instance::Instance(const ModelRoot& root, const Bounds3f& root_bounds, const Affine3d& to_parent, Key path, int object)
     : root_(&root),
       to_parent_(to_float(to_parent)),
       from_parent_(to_float(to_parent.inverse())),
-      bounds_(root.bounds()),
+      bounds_(root_bounds),
       path_(path),
       object_(object),
       is_identity_(to_parent.is_identity()) {

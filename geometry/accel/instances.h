@@ -15,7 +15,7 @@ class Instance {
  public:
   // The root must outlive it. `path` tells apart what is reached through different instances; `object`: its index in
   // the world, or -1 within an object.
-  Instance(const ModelRoot& root, const Affine3d& to_parent, Key path, int object = -1);
+  Instance(const ModelRoot& root, const Bounds3f& root_bounds, const Affine3d& to_parent, Key path, int object = -1);
 
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;

@@ -89,7 +89,7 @@ Tessellation box_of(const Bounds3f& b, Key key) {
 class LazyRoot final : public ModelRoot {
  public:
   LazyRoot(RootSource source, Roots& roots, GeometryCache& cache, ExpansionCounts& counts)
-      : ModelRoot(source.part->bounds),
+      : ModelRoot(source.bounds),
         source_(std::move(source)),
         roots_(roots),
         cache_(cache),
@@ -123,6 +123,7 @@ class LazyRoot final : public ModelRoot {
 
  private:
   const Model& model() const { return *source_.part->model; }
+
   // What stands on a ground must not depend on the view, so the ground is expanded in full.
   const Footprint* ground_footprint() const { return source_.part->placer ? nullptr : source_.footprint.get(); }
 

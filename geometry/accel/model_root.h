@@ -54,6 +54,7 @@ struct RootSource {
   std::shared_ptr<const Footprint> footprint;  // null: everything in full
   Key individual = 0;
   CacheEntry* parent = nullptr;  // the entry that owns the root, if one does
+  Bounds3f bounds;
 };
 
 // Cells behind a cache; what stands in them is placed by `roots`. All must outlive the root.

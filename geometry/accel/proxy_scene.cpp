@@ -13,11 +13,9 @@ namespace {
 // Shares of the children whose real bounds make a new scene worth its building.
 constexpr std::array<double, 3> build_shares = {0.125, 0.5, 1.0};
 
-// Rounding lets Embree hit a triangle a little beyond its edges. Were that cut off by bounds, what a ray hits would
-// depend on when they came.
-Bounds3f with_margin(const Bounds3f& b) { return b.inflated(Vec3f(1e-3f * b.diagonal())); }
-
 }  // namespace
+
+Bounds3f with_rounding_margin(const Bounds3f& b) { return b.inflated(Vec3f(1e-3f * b.diagonal())); }
 
 ProxyScene::ProxyScene(std::span<const Bounds3f> bounds, const Callbacks& callbacks)
     : bounds_(bounds), callbacks_(callbacks), children_(bounds.size()) {
@@ -59,7 +57,7 @@ std::size_t ProxyScene::threshold() const {
 void ProxyScene::tighten(std::size_t index, const Bounds3f& real) {
   Child& child = children_[index];
   if (child.is_known.load(std::memory_order_acquire)) return;
-  child.real = with_margin(real);
+  child.real = with_rounding_margin(real);
   child.is_known.store(true, std::memory_order_release);
   const std::size_t known = known_.fetch_add(1) + 1;
   const std::unique_lock lock(build_mutex_, std::try_to_lock);

@@ -16,6 +16,10 @@
 
 namespace meristem {
 
+// Rounding lets Embree hit a triangle a little beyond its edges. Were that cut off by bounds, what a ray hits would
+// depend on when they came.
+Bounds3f with_rounding_margin(const Bounds3f& real);
+
 class ProxyScene {
  public:
   // What Embree calls for the child that is primID; its geometryUserPtr is the ProxyScene, whose owner is `user`.

@@ -12,13 +12,15 @@ constexpr double footprint_steps_per_octave = 2;
 // A footprint that varies by less than this factor over a part counts as constant there.
 constexpr double most_variation = 1.5;
 
+const Bounds3f& bounds_of(const Placement& p) { return p.known_bounds.empty() ? p.part->bounds : p.known_bounds; }
+
 // The footprint in the frame of a placed part. Where it hardly varies over the part it is constant, the least of it,
 // so that other placements can share what is expanded.
 std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Footprint>& parent,
                                                   const Placement& placement) {
   if (!parent || placement.in_full) return nullptr;
   auto exact = std::make_shared<ObjectFootprint>(parent, placement.to_parent);
-  const Bounds3f& bounds = placement.part->bounds;
+  const Bounds3f& bounds = bounds_of(placement);
   if (bounds.empty()) return exact;
   double least = exact->at(Vec3d(bounds.center())), most = least;
   for (int i = 0; i < 8; ++i) {
@@ -61,7 +63,7 @@ std::unique_ptr<Instances> Roots::place(const std::vector<Placement>& placements
     const Key own = p.individual == 0 ? individual
                     : individual == 0 ? p.individual
                                       : hash_keys(individual, p.individual);
-    RootSource source{p.part, placed_footprint(footprint, p), own, nullptr};
+    RootSource source{p.part, placed_footprint(footprint, p), own, nullptr, bounds_of(p)};
     const bool can_share =
         p.is_shared && (!source.footprint || dynamic_cast<const ConstantFootprint*>(source.footprint.get()));
     const ModelRoot* root = nullptr;
@@ -73,7 +75,7 @@ std::unique_ptr<Instances> Roots::place(const std::vector<Placement>& placements
       root = owned.back().get();
     }
     const auto index = instances.size();
-    instances.emplace_back(*root, p.to_parent, Key(index) + 1, are_objects ? int(index) : -1);
+    instances.emplace_back(*root, bounds_of(p), p.to_parent, Key(index) + 1, are_objects ? int(index) : -1);
   }
   return std::make_unique<Instances>(std::move(instances), std::move(owned));
 }

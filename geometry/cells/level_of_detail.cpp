@@ -124,6 +124,15 @@ class Freezing {
   std::size_t candidates_ = 0;
 };
 
+// Of a face that still grows, where its step thins by itself; infinity elsewhere.
+double thinned_faces(const Model& model, const CellMesh& cell, std::uint32_t face, int level) {
+  const FaceOrigin& origin = origin_of(cell.mesh, face);
+  while (!model.step(level).grows(origin.symbol)) ++level;
+  if (!model.step(level).thins()) return INFINITY;
+  const double footprint = cell.footprint->at(cell.mesh.positions[cell.mesh.corners(face)[0]]);
+  return model.step(level).thinned_children(origin, footprint) * model.estimated_faces(4, -1, level + 1);
+}
+
 }  // namespace
 
 bool freeze_vertices(const Model& model, CellMesh& cell, int level) {
@@ -154,7 +163,7 @@ double wanted_faces(const Model& model, const CellMesh& cell, std::uint32_t face
   const std::uint32_t n = mesh.corner_count(face);
   const double all = model.estimated_faces(n, origin.symbol, level);
   if (!cell.footprint || all <= 1) return all;
-  if (model.grows_later(origin.symbol, level)) return all;
+  if (model.grows_later(origin.symbol, level)) return std::min(all, thinned_faces(model, cell, face, level));
   int refinements = 0;
   for (std::uint32_t v : mesh.corners(face))
     if (!is_frozen(mesh, v))

@@ -21,6 +21,7 @@ struct Placement {
   bool is_shared = false;  // others with this part and individual stand elsewhere: they share expanded cells where the
                            // wanted level of detail agrees
   bool in_full = false;    // whatever the footprint
+  Bounds3f known_bounds = {};  // of this individual, in its own frame, if known better than the part's; else empty
 };
 
 // Puts parts on the faces of a mesh.

@@ -61,6 +61,11 @@ class Step {
   // Whether the step itself makes less of what is smaller than the cell's footprint, so that nothing is to be left out
   // before it.
   virtual bool thins() const { return false; }
+  // About how many faces such a step makes of one with that origin where faces are wanted `footprint` large.
+  virtual double thinned_children(const FaceOrigin& origin, double footprint) const {
+    (void)origin, (void)footprint;
+    return 0;
+  }
   // Told once, by the model's constructor, before any apply(): the grid on which it must place vertices.
   virtual void set_quantum(const Quantum& quantum) { (void)quantum; }
   // Whether vertices are moved off the scheme's smooth position (so that no limit is known).

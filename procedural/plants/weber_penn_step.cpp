@@ -57,6 +57,17 @@ std::uint32_t WeberPennStep::max_children(std::uint32_t) const {
   return std::uint32_t(std::min(faces, 1e9));
 }
 
+double WeberPennStep::thinned_children(const FaceOrigin& bud, double footprint) const {
+  const WeberPennParameters& p = plant_->parameters;
+  if (!is_last() || level_ == 0) return max_children(3);
+  const double segment = double(bud.parameters[bud_length]) / p.at(level_).curve_res;
+  const PlantDetail detail =
+      plant_detail(p, level_, double(bud.parameters[bud_base_radius]), segment, footprint, plant_->is_smoothed);
+  const double leaves = std::abs(double(bud.parameters[bud_children])) * detail.leaf_share;
+  return detail.stem_share * expected_segments(p, level_) * faces_of_segment(detail.stem) +
+         leaves * leaf_shape(p.leaf_shape).face_count() + 1;
+}
+
 // One run of apply().
 class WeberPennStep::Application {
  public:

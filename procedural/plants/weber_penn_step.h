@@ -38,6 +38,7 @@ class WeberPennStep final : public Step {
   bool grows(std::int32_t symbol) const override { return symbol == bud_symbol(level_); }
   std::string symbol_name(std::int32_t symbol) const override { return grows(symbol) ? "bud of " + name() : ""; }
   bool thins() const override { return true; }
+  double thinned_children(const FaceOrigin& bud, double footprint) const override;
   void set_quantum(const Quantum& quantum) override { quantum_ = quantum; }
 
  private:

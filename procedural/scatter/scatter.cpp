@@ -1,5 +1,6 @@
 #include "procedural/scatter/scatter.h"
 
+#include "geometry/cells/expansion.h"
 #include "geometry/mesh/refine.h"
 
 #include <algorithm>
@@ -10,6 +11,8 @@
 namespace meristem {
 
 namespace {
+
+constexpr int most_variants_measured = 64;
 
 enum Slot { slot_p, slot_n, slot_u, slot_v, slot_count };
 enum What : Key { what_count = 1, what_place, what_turn, what_kind, what_variant, what_part };
@@ -89,6 +92,18 @@ Affine3d standing(Vec3d axis) {
   return Affine3d::rotation(turn / sine, std::atan2(sine, dot(up, axis)));
 }
 
+// Of one individual, from its first expansion: far closer than what holds for all that a model could grow to. A coarser
+// level of detail may stand out from it a little.
+Bounds3f individual_bounds(const Part& part, Key individual) {
+  if (!part.model || part.placer) return part.bounds;
+  const Expansion first = expand(*part.model, root_cell(*part.model, nullptr, individual), 0);
+  if (first.leaf) return part.bounds;
+  Bounds3f bounds;
+  for (const Bounds3f& child : first.inner->child_bounds) bounds.extend(child);
+  constexpr float margin = 0.05f;
+  return bounds.inflated(Vec3f(margin * bounds.diagonal()));
+}
+
 double farthest(const Bounds3f& b) { return length(max(abs(Vec3d(b.lower)), abs(Vec3d(b.upper)))); }
 
 }  // namespace
@@ -128,11 +143,22 @@ Scatter::Scatter(ScatterSettings settings, std::vector<Choice> choices, Key seed
   const double largest = std::max(std::abs(double(scale.lower)), std::abs(double(scale.upper)));
   constexpr double most_scale = 1e6;
   if (!(largest <= most_scale)) throw std::runtime_error("the scale has no upper bound: wrap it in clamp(..., lo, hi)");
+  measure_variants();
   for (const Choice& c : choices_) {
     total_weight_ += c.weight;
-    reach_ = std::max(reach_, largest * (farthest(c.part->bounds) + std::abs(settings_.sink)));
+    double reach = known_bounds_.empty() ? farthest(c.part->bounds) : 0;
+    for (const Bounds3f& b : known_bounds_) reach = std::max(reach, farthest(b));
+    reach_ = std::max(reach_, largest * (reach + std::abs(settings_.sink)));
   }
 }
+
+void Scatter::measure_variants() {
+  if (settings_.variants > most_variants_measured) return;
+  for (const Choice& c : choices_)
+    for (int i = 0; i < settings_.variants; ++i) known_bounds_.push_back(individual_bounds(*c.part, variant(i)));
+}
+
+Key Scatter::variant(int index) const { return hash_keys(seed_, what_variant, Key(index)); }
 
 void Scatter::place(const CellMesh& ground, Key individual, std::vector<Placement>& placements) const {
   const Mesh& mesh = ground.mesh;
@@ -171,9 +197,15 @@ Placement Scatter::placement(Vec3d position, Vec3d normal, double scale, Key key
   p.to_parent = Affine3d::translation(position - axis * (settings_.sink * scale)) *
                 standing(axis == Vec3d{} ? up : axis) * Affine3d::rotation(up, turn) * Affine3d::scaling(Vec3d(scale));
   p.is_shared = settings_.variants > 0;
-  p.individual = p.is_shared ? hash_keys(seed_, what_variant,
-                                         Key(uniform_double(hash_keys(key, what_variant)) * settings_.variants))
-                             : key;
+  if (!p.is_shared) {
+    p.individual = key;
+    return p;
+  }
+  const int index = int(uniform_double(hash_keys(key, what_variant)) * settings_.variants);
+  p.individual = variant(index);
+  if (!known_bounds_.empty())
+    p.known_bounds =
+        known_bounds_[std::size_t(&choice - choices_.data()) * std::size_t(settings_.variants) + std::size_t(index)];
   return p;
 }
 

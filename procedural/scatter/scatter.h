@@ -43,12 +43,15 @@ class Scatter final : public Placer {
 
  private:
   const Choice& choose(double random) const;
+  Key variant(int index) const;
+  void measure_variants();
   Placement placement(Vec3d position, Vec3d normal, double scale, Key key) const;
 
   const ScatterSettings settings_;
   const std::vector<Choice> choices_;
   const Key seed_;
   double total_weight_ = 0;
+  std::vector<Bounds3f> known_bounds_;  // of every choice's variants, if these are few
   double reach_ = 0;
 };
 
