@@ -25,6 +25,7 @@ struct SurfaceHit {
   Vec3f dpdu, dpdv;        // tangents along growing u and v (not unit); zero if these do not vary there
   float u = 0, v = 0;      // propagated texture coordinates
   int object = -1;         // index into the world's objects
+  int level = 0;           // of refinement at which the surface was met: steps of its model
   const FaceOrigin* origin = nullptr;  // valid until the thread passes its next quiescent point
   bool valid() const { return t < std::numeric_limits<float>::infinity(); }
 };

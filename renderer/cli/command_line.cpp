@@ -2,7 +2,9 @@
 
 #include "renderer/cli/commands.h"
 #include "renderer/cli/console.h"
-#include "renderer/cli/option_values.h"
+#include "renderer/cli/manual.h"
+#include "renderer/cli/merge_command.h"
+#include "renderer/cli/options.h"
 #include "renderer/color/color.h"
 #include "renderer/report/version.h"
 
@@ -10,8 +12,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <functional>
-#include <map>
 #include <new>
 #include <span>
 
@@ -19,125 +19,30 @@ namespace meristem {
 
 namespace {
 
-constexpr const char* scene_group = "Scene";
 constexpr const char* footer =
-    "Exit codes: 0 done, 1 internal error, 2 usage or scene error, 3 limit reached or render faults (image written),\n"
-    "4 file error, 130 and 143 interrupted (image so far written; a second Ctrl-C within two seconds ends at once).";
-
-// An option whose text `parse` turns into a value; what it throws becomes a usage error of that option.
-template <class Parse>
-CLI::Option* add_parsed(CLI::App& app, const std::string& name, const std::string& type, const std::string& doc,
-                        Parse parse) {
-  return app
-      .add_option_function<std::string>(
-          name,
-          [name, parse](const std::string& text) {
-            try {
-              parse(text);
-            } catch (const std::exception& error) {
-              throw CLI::ValidationError(name, error.what());
-            }
-          },
-          doc)
-      ->type_name(type)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-}
-
-// Options that change what is rendered: of every command that renders.
-void add_scene_options(CLI::App& app, RenderOptions& o) {
-  const auto size = [&o](const std::string& text) {
-    const auto [width, height] = parse_size(text);
-    o.load.width = width;
-    o.load.height = height;
-  };
-  app.add_option("--samples", o.load.samples, "samples a pixel")->check(CLI::Range(1, 1 << 20))->group(scene_group);
-  add_parsed(app, "--size", "WxH", "image size in pixels", size)->group(scene_group);
-  add_parsed(app, "--crop", "X0,Y0,X1,Y1", "render this part alone, in pixels", [&o](const std::string& t) {
-    o.crop = parse_crop(t);
-  })->group(scene_group);
-  app.add_option("--camera", o.load.camera, "one of the scene's cameras, by name")->group(scene_group);
-  app.add_option("--detail", o.load.detail, "wanted size of faces in pixels; 0: everything in full")
-      ->type_name("PX")
-      ->check(CLI::Range(0.0, 1024.0))
-      ->group(scene_group);
-  app.add_option("--seed", o.load.seed, "of all random numbers")->group(scene_group);
-  app.add_option("--max-depth", o.load.max_depth, "bounces of a path")->check(CLI::Range(0, 1024))->group(scene_group);
-  app.add_option("--threads", o.load.threads, "0: all processors")->check(CLI::Range(0, 1024))->group(scene_group);
-  add_parsed(app, "--budget", "BYTES", "memory of the geometry cache: 512M, 2G", [&o](const std::string& t) {
-    o.load.budget_bytes = parse_memory(t);
-  })->group(scene_group);
-}
-
-void add_expand_option(CLI::App& app, RenderOptions& o) {
-  static const std::map<std::string, ExpandMode> modes{
-      {"lazy", ExpandMode::Lazy}, {"eager", ExpandMode::Eager}, {"flat", ExpandMode::Flat}};
-  app.add_option("--expand", o.load.expand,
-                 "lazy: where rays hit; eager: all cells beforehand; flat: into one scene without cells")
-      ->transform(CLI::CheckedTransformer(modes).description(""))
-      ->type_name("lazy|eager|flat");
-}
-
-void add_output_options(CLI::App& app, RenderOptions& o) {
-  const auto output = [](const std::string& path) {
-    try {
-      image_format(path);
-      return std::string();
-    } catch (const FileError& error) {
-      return std::string(error.what());
-    }
-  };
-  app.add_option("-o,--output", o.outputs,
-                 "image by extension: exr, png, jpg, tif; repeatable (default: the scene's name, .exr and .png)")
-      ->check(CLI::Validator(output, ""))
-      ->type_name("FILE")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  app.add_option("--exposure", o.exposure, "stops, for display images (not EXR)")
-      ->check(CLI::Range(-100.0, 100.0))
-      ->type_name("STOPS");
-  app.add_option("--view", o.view, "of display images: \"ACES SDR\" (default), sRGB, Raw");
-  CLI::Option* half = app.add_flag_callback(
-      "--half", [&o] { o.write.half = true; }, "EXR of 16-bit floats (default)");
-  app.add_flag_callback(
-         "--float", [&o] { o.write.half = false; }, "EXR of 32-bit floats")
-      ->excludes(half);
-  app.add_option("--bits", o.write.bits, "a channel in PNG and TIFF")->check(CLI::IsMember({8, 16}))->type_name("8|16");
-  app.add_option("--stats", o.statistics, "write the figures of the render as JSON")->type_name("FILE");
-  CLI::Option* quiet = app.add_flag("-q,--quiet", o.quiet, "say nothing but errors");
-  app.add_flag("-v,--verbose", o.verbose, "more figures at the end")->excludes(quiet);
-}
-
-void add_scene_argument(CLI::App& app, std::string& scene) {
-  app.add_option("SCENE", scene, "scene file; - for standard input")->required();
-}
-
-// The options of scene_group as the user gave them, to hand on to a child.
-std::vector<std::string> given_scene_options(const CLI::App& app) {
-  std::vector<std::string> given;
-  for (const CLI::Option* option :
-       app.get_options([](const CLI::Option* o) { return o->get_group() == scene_group && o->count() > 0; })) {
-    given.push_back(option->get_name());
-    given.push_back(option->results().back());
-  }
-  return given;
-}
+    "Exit codes: 0 done, 1 internal error, 2 usage or scene error, 3 limit reached\n"
+    "or render faults (image written), 4 file error, 130 and 143 interrupted (image\n"
+    "so far written; a second Ctrl-C within two seconds ends at once).";
 
 // The program's options and where their values go.
 class CommandLine {
  public:
   CommandLine(const std::string& text, const SceneLoader& load) : load_(load) {
-    render_.command_line = text;
+    render_.command_line = merge_.command_line = text;
     app_.set_version_flag("--version", fmt::format("meristem {}", version));
     app_.require_subcommand(1);
+    app_.formatter(help_formatter());
     app_.footer(footer);
     add_render();
+    add_merge();
     add_compare();
     add_check();
     add_describe();
     app_.add_subcommand("schema", "the JSON Schema of scene files, for editors")->final_callback([this] {
       exit_code_ = schema_command();
     });
+    add_printed("manual", "the manual page of the program, for man", manual_page);
+    add_printed("completion", "the completion of commands and options, for bash", bash_completion);
   }
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
@@ -157,10 +62,20 @@ class CommandLine {
     CLI::App& command = *app_.add_subcommand("render", "render a scene to image files");
     add_scene_argument(command, render_.scene);
     add_scene_options(command, render_);
-    add_expand_option(command, render_);
-    add_output_options(command, render_);
+    add_output_options(command, render_.outputs);
+    add_render_options(command, render_);
+    place_help_option(command);
     command.footer(footer);
     command.final_callback([this] { exit_code_ = render_command(render_, load_); });
+  }
+
+  void add_merge() {
+    CLI::App& command = *app_.add_subcommand("merge", "films of the same image with other samples become one");
+    command.add_option("FILM", merge_.films, "film files")->required();
+    add_output_options(command, merge_.outputs);
+    command.get_option("--output")->required();
+    command.add_flag("-q,--quiet", merge_.quiet, "say nothing but errors");
+    command.final_callback([this] { exit_code_ = merge_command(merge_); });
   }
 
   void add_compare() {
@@ -190,11 +105,17 @@ class CommandLine {
         [this] { exit_code_ = describe_markdown_ ? describe_markdown_command() : describe_command(described_); });
   }
 
+  // A command that prints what is said of all of them.
+  void add_printed(const char* name, const char* doc, std::string (*text)(const CLI::App&)) {
+    app_.add_subcommand(name, doc)->final_callback([this, text] { print_result(text(app_)); });
+  }
+
   const SceneLoader& load_;
   CLI::App app_{"Meristem: a ray-tracing renderer whose geometry grows where rays touch it", "meristem"};
   RenderOptions render_;
   RenderOptions compared_;  // parsed for their errors; the children get the text
   CompareOptions compare_;
+  MergeOptions merge_;
   std::string checked_scene_, described_;
   bool describe_markdown_ = false;
   int exit_code_ = 0;

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <tuple>
 
 namespace meristem {
 
@@ -22,7 +23,10 @@ void print_result(const std::string& text) {
     throw FileError(fmt::format("cannot write to standard output: {}", std::strerror(errno)));
 }
 
-void print_error(const std::string& text) { fmt::print(stderr, "{}", as_lines(text)); }
+void print_error(const std::string& text) {
+  // Where nobody can be told, there is nothing to be done about it
+  std::ignore = std::fputs(as_lines(text).c_str(), stderr);
+}
 
 void print_diagnostics(const std::vector<Diagnostic>& list) {
   for (const Diagnostic& diagnostic : list) print_error(diagnostic.formatted());

@@ -13,6 +13,9 @@ namespace meristem {
 
 namespace {
 
+constexpr int max_samples = 1 << 20;
+constexpr int max_frames = 100'000;
+
 // The whole numbers between separators; empty if the text is not made like that.
 std::vector<int> parse_integers(std::string_view text, char separator) {
   std::vector<int> numbers;
@@ -50,6 +53,48 @@ PixelWindow parse_crop(const std::string& text) {
     throw UsageError(
         fmt::format("\"{}\" is no part of the image: expected x0,y0,x1,y1 in pixels, x0 < x1 and y0 < y1", text));
   return window;
+}
+
+double parse_duration(const std::string& text) {
+  double seconds = 0;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  bool right = at != end;
+  while (right && at != end) {
+    double number = 0;
+    const auto [after, error] = std::from_chars(at, end, number);
+    constexpr std::string_view units = "smh";
+    const std::size_t unit = after == end ? 0 : units.find(*after);
+    right = error == std::errc() && number >= 0 && unit != units.npos;
+    seconds += number * (unit == 0 ? 1 : unit == 1 ? 60 : 3600);
+    at = after == end ? end : after + 1;
+  }
+  if (!right || !(seconds > 0 && seconds < 1e9))
+    throw UsageError(fmt::format("\"{}\" is no duration: expected one like 90s, 5m or 1h30m", text));
+  return seconds;
+}
+
+SampleRange parse_sample_range(const std::string& text) {
+  const std::vector<int> n = parse_integers(text, ':');
+  if (n.size() != 2 || n[0] < 0 || n[0] >= n[1] || n[1] > max_samples)
+    throw UsageError(
+        fmt::format("\"{}\" is no range of samples: expected FIRST:END, for example 0:64 and then 64:128, "
+                    "END at most {}",
+                    text, max_samples));
+  return {std::uint32_t(n[0]), std::uint32_t(n[1])};
+}
+
+std::vector<int> parse_frames(const std::string& text) {
+  const std::size_t by = text.find('x');
+  const std::vector<int> ends = parse_integers(std::string_view(text).substr(0, by), '-');
+  const std::vector<int> step =
+      by == std::string::npos ? std::vector{1} : parse_integers(std::string_view(text).substr(by + 1), 'x');
+  const bool right = (ends.size() == 1 || (ends.size() == 2 && ends[1] >= ends[0])) && ends[0] >= 0 &&
+                     step.size() == 1 && step[0] >= 1 && (ends.back() - ends[0]) / step[0] < max_frames;
+  if (!right) throw UsageError(fmt::format("\"{}\" is no range of frames: expected one like 7, 1-48 or 1-48x2", text));
+  std::vector<int> frames;
+  for (long frame = ends[0]; frame <= ends.back(); frame += step[0]) frames.push_back(int(frame));
+  return frames;
 }
 
 }  // namespace meristem

@@ -2,11 +2,11 @@
 
 #include "geometry/base/parallel.h"
 #include "renderer/cli/console.h"
-#include "renderer/color/color.h"
+#include "renderer/cli/film_identity.h"
+#include "renderer/cli/render_metadata.h"
 #include "renderer/report/statistics.h"
 #include "renderer/session/interruption.h"
 #include "renderer/session/process_clock.h"
-#include "renderer/session/progress.h"
 #include "renderer/session/session.h"
 
 #include <fmt/format.h>
@@ -16,6 +16,8 @@
 #include <thread>
 
 namespace meristem {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -28,104 +30,17 @@ const char* mode_name(ExpandMode mode) {
   return "";
 }
 
-std::vector<std::string> outputs_of(const RenderOptions& options) {
-  if (!options.outputs.empty()) return options.outputs;
-  const std::string stem = options.scene == "-" ? "image" : std::filesystem::path(options.scene).stem().string();
-  return {stem + ".exr", stem + ".png"};
+OutputOptions outputs_of(const RenderOptions& options) {
+  OutputOptions outputs = options.outputs;
+  const std::string stem = options.scene == "-" ? "image" : fs::path(options.scene).stem().string();
+  if (outputs.files.empty()) outputs.files = {stem + ".exr", stem + ".png"};
+  return outputs;
 }
 
-bool is_display_image(const std::string& path) { return image_format(path) != ImageFormat::Exr; }
-
-void check_outputs(const RenderOptions& options, const std::vector<std::string>& outputs) {
-  check_image_support();
-  for (const std::string& path : outputs) check_writable(path);
-  if (!options.statistics.empty()) check_writable(options.statistics);
-}
-
-// The transform that the outputs need; none if all are scene-linear.
-std::optional<DisplayTransform> display_transform(const RenderOptions& options,
-                                                  const std::vector<std::string>& outputs) {
-  if (options.view.empty() && std::ranges::none_of(outputs, is_display_image)) return std::nullopt;
-  return DisplayTransform(options.view, options.exposure);
-}
-
-void check_crop(const RenderOptions& options, const RenderSettings& settings) {
-  if (options.crop && options.crop->intersected({0, 0, settings.width, settings.height}).empty())
-    throw UsageError(fmt::format("--crop lies outside the image of {} x {} pixels", settings.width, settings.height));
-}
-
-// Opens what writing the image needs while rays are traced: from the first report of progress on, when the first pixel
-// stands, since the dynamic linker's lock would hold up the libraries that are still starting.
-class ImageSupport {
- public:
-  void want() {
-    if (!opening_.joinable()) opening_ = std::jthread(open_image_support);
-  }
-
- private:
-  std::jthread opening_;
-};
-
-SessionOptions session_options(const RenderOptions& options, int threads, const Interruption& interruption,
-                               ProgressDisplay& display, ImageSupport& images) {
-  SessionOptions result;
-  result.threads = threads;
-  result.crop = options.crop;
-  result.cancel = &interruption.requested();
-  result.progress = [&](const RenderProgress& progress) {
-    images.want();
-    display.update(progress);
-  };
-  return result;
-}
-
-RenderStatistics gather(const RenderOptions& options, const LoadedScene& loaded, const SessionResult& result,
-                        const Film& film, const Image& image) {
-  RenderStatistics s;
-  s.scene = options.scene;
-  s.scene_sha256 = loaded.sha256;
-  s.command = options.command_line;
-  s.expand = mode_name(options.load.expand);
-  s.render_s = result.render_s;
-  s.first_pixel_s = result.first_pixel_s;
-  s.rays = result.rays;
-  s.samples = loaded.scene->settings.samples;
-  s.samples_taken = result.samples;
-  s.interrupted = result.cancelled;
-  s.image = {image.width, image.height, film.nonfinite_samples(), image_sha256(image)};
-  s.expansion = loaded.scene->intersector->statistics();
-  return s;
-}
-
-// What the process itself says; once more after the images are written.
-void take_time_and_memory(RenderStatistics& s) {
-  s.wall_s = process_age_s();
-  s.peak_rss_bytes = peak_resident_bytes();
-}
-
-WriteOptions placed(WriteOptions options, const PixelWindow& window, const RenderSettings& settings) {
-  options.x = window.x0;
-  options.y = window.y0;
-  options.full_width = settings.width;
-  options.full_height = settings.height;
-  return options;
-}
-
-void write_one(const std::string& path, const Image& image, const Metadata& metadata, const WriteOptions& options) {
-  if (const std::size_t clamped = write_image(path, image, metadata, options); clamped > 0)
-    print_error(
-        fmt::format("warning: {}: {} values clamped to the range of a half; --float keeps them", path, clamped));
-}
-
-void write_images(const std::vector<std::string>& outputs, const Image& image,
-                  const std::optional<DisplayTransform>& transform, const Metadata& metadata,
-                  const WriteOptions& options) {
-  Image shown;
-  if (transform && std::ranges::any_of(outputs, is_display_image)) {
-    shown = image;
-    transform->apply(shown.pixels.data(), shown.width, shown.height, shown.channels);
-  }
-  for (const std::string& path : outputs) write_one(path, is_display_image(path) ? shown : image, metadata, options);
+// Where the film is kept while there is more to do: a film file that was asked for, or one beside the first image.
+std::string film_path(const std::vector<std::string>& files) {
+  const auto asked_for = std::ranges::find_if(files, is_film_file);
+  return asked_for != files.end() ? *asked_for : fs::path(files[0]).replace_extension(".film").string();
 }
 
 // Says what broke while rendering; true if anything did.
@@ -143,53 +58,268 @@ bool report_faults(const RenderStatistics& s) {
   return s.image.nonfinite > 0 || s.expansion.failed > 0;
 }
 
-void report_done(const RenderOptions& options, const RenderStatistics& s, const std::vector<std::string>& outputs) {
-  if (options.quiet) return;
-  print_error(summary(s));
-  if (options.verbose) print_error(details(s));
-  for (const std::string& path : outputs) print_error(fmt::format("wrote {}", path));
+// Opens what writing the image needs while rays are traced: from the first report of progress on, when the first pixel
+// stands, since the dynamic linker's lock would hold up the libraries that are still starting.
+class ImageSupport {
+ public:
+  void want() {
+    if (!opening_.joinable()) opening_ = std::jthread(open_image_support);
+  }
+
+ private:
+  std::jthread opening_;
+};
+
+// One image: loads the scene, renders it, writes what was asked for, now and then and at the end.
+class ImageRender {
+ public:
+  ImageRender(const RenderOptions& options, const SceneLoader& load, OutputOptions outputs)
+      : options_(options),
+        film_path_(film_path(outputs.files)),
+        outputs_(std::move(outputs)),
+        threads_(options.load.threads > 0 ? options.load.threads : default_thread_count()),
+        limit_(threads_) {
+    check_writable(film_path_);
+    if (!options.statistics.empty()) check_writable(options.statistics);
+    const double loading_s = process_age_s();
+    loaded_ = load(options.scene, options.load);
+    load_s_ = process_age_s() - loading_s;
+    if (options.sample_range) settings().samples = int(options.sample_range->last - options.sample_range->first);
+    if (!options.quiet) print_diagnostics(loaded_.warnings);
+    check_settings();
+    interruption_.emplace();  // until here a signal ends the program
+  }
+  ImageRender(const ImageRender&) = delete;
+  ImageRender& operator=(const ImageRender&) = delete;
+
+  // Returns an exit code.
+  int run() {
+    ProgressDisplay display(style() == ProgressDisplay::Style::Json ? stdout : stderr, style());
+    RenderSession session(*loaded_.scene, session_options(display));
+    session_ = &session;
+    if (options_.checkpoint_s || options_.resume) identity();  // before a file can change
+    if (options_.resume) resume();
+    last_snapshot_s_ = process_age_s();
+    const SessionResult result = session.render();
+    display.clear();
+    return finish(result);
+  }
+
+ private:
+  RenderSettings& settings() { return loaded_.scene->settings; }
+  const RenderSettings& settings() const { return loaded_.scene->settings; }
+
+  void check_settings() const {
+    if (options_.crop && options_.crop->intersected({0, 0, settings().width, settings().height}).empty())
+      throw UsageError(
+          fmt::format("--crop lies outside the image of {} x {} pixels", settings().width, settings().height));
+    if (options_.sample_range && settings().noise > 0)
+      throw UsageError("--sample-range takes all samples of its range; it does not go together with noise");
+  }
+
+  ProgressDisplay::Style style() const {
+    if (options_.progress) return *options_.progress;
+    return options_.quiet ? ProgressDisplay::Style::None : ProgressDisplay::style_for(stderr);
+  }
+
+  std::uint32_t first_sample() const { return options_.sample_range ? options_.sample_range->first : 0; }
+
+  SessionOptions session_options(ProgressDisplay& display) {
+    SessionOptions result;
+    result.threads = threads_;
+    result.crop = options_.crop;
+    result.first_sample = first_sample();
+    if (options_.time_limit_s) result.time_limit_s = *options_.time_limit_s;
+    result.cancel = &interruption_->requested();
+    result.progress = [this, &display](const RenderProgress& progress) {
+      image_support_.want();
+      display.update(progress);
+    };
+    result.snapshot_due = [this] { return snapshot_is_due(); };
+    result.snapshot = [this] { take_snapshot(); };
+    return result;
+  }
+
+  const FilmIdentity& identity() {
+    if (identity_.empty()) identity_ = film_identity(options_, loaded_, session_->film().window());
+    return identity_;
+  }
+
+  void resume() {
+    if (!fs::exists(film_path_)) {
+      if (!options_.quiet) print_error(fmt::format("nothing to resume: there is no {}", film_path_));
+      return;
+    }
+    FilmFile file = read_film_file(film_path_);
+    if (const std::string difference = identity_difference(file.info.identity, identity()); !difference.empty())
+      throw UsageError(fmt::format("cannot resume from {}: {}", film_path_, difference));
+    if (file.info.ranges.size() != 1 || file.info.ranges[0].first != first_sample())
+      throw UsageError(
+          fmt::format("cannot resume from {}: it does not begin at sample {}", film_path_, first_sample()));
+    history_ = std::move(file.info.history);
+    samples_before_ = file.film.total_samples();
+    session_->resume(std::move(file.film), std::move(file.adaptive));
+    if (!options_.quiet)
+      print_error(fmt::format("going on from {} with {} samples", film_path_, format_count(samples_before_)));
+  }
+
+  bool snapshot_is_due() {
+    const bool asked_for = interruption_->take_snapshot_request();
+    return asked_for || (options_.checkpoint_s && process_age_s() - last_snapshot_s_ >= *options_.checkpoint_s);
+  }
+
+  void take_snapshot() {
+    SessionResult so_far;
+    so_far.samples = session_->film().total_samples();
+    const RenderStatistics s = statistics(so_far);
+    write_everything(s, "snapshot", true);
+    last_snapshot_s_ = process_age_s();
+    if (options_.verbose) print_error(fmt::format("snapshot: wrote {}", film_path_));
+  }
+
+  // The images, and what is needed to go on.
+  void write_everything(const RenderStatistics& s, const char* end, bool keep_film) {
+    const FilmInfo now = info(s, end);
+    if (keep_film && !film_is_output()) {
+      write_film_file(film_path_, session_->film(), now, session_->adaptive());
+      film_written_ = true;
+    }
+    outputs_.write(session_->film(), now, session_->adaptive());
+  }
+
+  bool film_is_output() const { return std::ranges::find(outputs_.files(), film_path_) != outputs_.files().end(); }
+
+  FilmInfo info(const RenderStatistics& s, const char* end) {
+    const RenderSettings& r = settings();
+    FilmInfo result{identity(), {sample_range()}, r.width, r.height, loaded_.scene->names, {}, history_};
+    result.history.push_back(history_line(s, samples_before_, end));
+    result.metadata = render_metadata(s, r, options_, result, end);
+    return result;
+  }
+
+  // Of the samples that the film has; pixels that had fewer are left to whoever goes on.
+  SampleRange sample_range() const {
+    const PixelWindow& w = session_->film().window();
+    std::uint32_t most = 0;
+    for (int y = w.y0; y < w.y1; ++y)
+      for (int x = w.x0; x < w.x1; ++x) most = std::max(most, session_->film().samples(x, y));
+    return {first_sample(), first_sample() + most};
+  }
+
+  RenderStatistics statistics(const SessionResult& result) const {
+    const Film& film = session_->film();
+    const Image image = film.develop();
+    RenderStatistics s;
+    s.scene = options_.scene;
+    s.scene_sha256 = loaded_.sha256;
+    s.command = options_.command_line;
+    s.expand = mode_name(options_.load.expand);
+    s.load_s = load_s_;
+    s.threads = threads_;
+    s.render_s = result.render_s;
+    s.first_pixel_s = result.first_pixel_s;
+    s.rays = result.rays;
+    s.samples = settings().samples;
+    s.samples_taken = result.samples;
+    s.interrupted = result.end == RenderEnd::Cancelled;
+    s.image = {image.width, image.height, film.nonfinite_samples(), image_sha256(image)};
+    s.expansion = loaded_.scene->intersector->statistics();
+    s.wall_s = process_age_s();
+    s.peak_rss_bytes = peak_resident_bytes();
+    return s;
+  }
+
+  // Writes the files, then the reports.
+  int finish(const SessionResult& result) {
+    const int interrupted =
+        result.end == RenderEnd::Cancelled ? int(ExitCode::Interrupted) + interruption_->signal() : 0;
+    if (result.samples == 0 && result.end != RenderEnd::Complete) {
+      print_error("interrupted before the first pixel: nothing was written");
+      return interrupted ? interrupted : int(ExitCode::Limit);
+    }
+    RenderStatistics s = statistics(result);
+    write_everything(s, end_name(result.end), result.end != RenderEnd::Complete);
+    if (result.end == RenderEnd::Complete) remove_film();
+    s.wall_s = process_age_s();
+    s.peak_rss_bytes = peak_resident_bytes();
+    if (!options_.statistics.empty()) write_file(options_.statistics, statistics_json(s));
+    report(s, result.end);
+    const bool faults = report_faults(s);
+    if (interrupted) return interrupted;
+    return int(faults || result.end == RenderEnd::TimeLimit ? ExitCode::Limit : ExitCode::Done);
+  }
+
+  // The film file has served, unless it was asked for.
+  void remove_film() const {
+    std::error_code ignored;
+    if ((film_written_ || samples_before_ > 0) && !film_is_output()) fs::remove(film_path_, ignored);
+  }
+
+  void report(const RenderStatistics& s, RenderEnd end) const {
+    if (options_.quiet) return;
+    print_error(summary(s));
+    if (options_.verbose) print_error(details(s));
+    for (const std::string& path : outputs_.files()) print_error(fmt::format("wrote {}", path));
+    if (end != RenderEnd::Complete)
+      print_error(fmt::format("{}; the same command with --resume goes on from {}",
+                              end == RenderEnd::TimeLimit ? "the time is up" : "interrupted", film_path_));
+  }
+
+  const RenderOptions& options_;
+  const std::string film_path_;
+  const Outputs outputs_;
+  const int threads_;
+  const ThreadLimit limit_;
+  LoadedScene loaded_;
+  double load_s_ = 0;
+  std::optional<Interruption> interruption_;
+  ImageSupport image_support_;
+  RenderSession* session_ = nullptr;  // while it runs
+  FilmIdentity identity_;             // empty until somebody asks
+  std::vector<std::string> history_;  // of the runs before
+  std::uint64_t samples_before_ = 0;  // that these took
+  double last_snapshot_s_ = 0;
+  bool film_written_ = false;
+};
+
+// "a.exr" to "a.0007.exr"; a run of # in the name is where the number goes.
+std::string numbered(const std::string& path, int frame) {
+  const std::size_t first = path.find('#');
+  if (first == std::string::npos) {
+    const fs::path p(path);
+    return (p.parent_path() / fmt::format("{}.{:04}{}", p.stem().string(), frame, p.extension().string())).string();
+  }
+  const std::size_t end = std::min(path.find_first_not_of('#', first), path.size());
+  return path.substr(0, first) + fmt::format("{:0{}}", frame, end - first) + path.substr(end);
+}
+
+// The films of one frame after another. The first frame that does not end well ends the sequence; with --resume frames
+// whose images are there are left as they are.
+int render_frames(const RenderOptions& options, const SceneLoader& load) {
+  int code = int(ExitCode::Done);
+  for (const int frame : options.frames) {
+    RenderOptions one = options;
+    one.load.frame = frame;
+    one.outputs = outputs_of(options);
+    for (std::string& path : one.outputs.files) path = numbered(path, frame);
+    if (!options.statistics.empty()) one.statistics = numbered(options.statistics, frame);
+    const bool there = std::ranges::all_of(one.outputs.files, [](const std::string& p) { return fs::exists(p); });
+    if (options.resume && there && !fs::exists(film_path(one.outputs.files))) {
+      if (!options.quiet) print_error(fmt::format("frame {} is there", frame));
+      continue;
+    }
+    if (!options.quiet) print_error(fmt::format("frame {}", frame));
+    code = std::max(code, ImageRender(one, load, one.outputs).run());
+    if (code >= int(ExitCode::Interrupted)) break;
+  }
+  return code;
 }
 
 }  // namespace
 
 int render_command(const RenderOptions& options, const SceneLoader& load) {
-  const std::vector<std::string> outputs = outputs_of(options);
-  check_outputs(options, outputs);
-  const std::optional<DisplayTransform> transform = display_transform(options, outputs);
-  const int threads = options.load.threads > 0 ? options.load.threads : default_thread_count();
-  const ThreadLimit limit(threads);
-
-  const double loading_s = process_age_s();
-  const LoadedScene loaded = load(options.scene, options.load);
-  const double load_s = process_age_s() - loading_s;
-  if (!options.quiet) print_diagnostics(loaded.warnings);
-  check_crop(options, loaded.scene->settings);
-
-  const Interruption interruption;
-  std::optional<ProgressDisplay> display;
-  display.emplace(stderr, options.quiet ? ProgressDisplay::Style::None : ProgressDisplay::style_for(stderr));
-  ImageSupport images;
-  RenderSession session(*loaded.scene, session_options(options, threads, interruption, *display, images));
-  const SessionResult result = session.render();
-  display.reset();
-  const int interrupted = result.cancelled ? int(ExitCode::Interrupted) + interruption.signal() : 0;
-  if (result.samples == 0 && interrupted) {
-    print_error("interrupted before the first pixel: nothing was written");
-    return interrupted;
-  }
-
-  const Image image = session.film().develop();
-  RenderStatistics statistics = gather(options, loaded, result, session.film(), image);
-  statistics.load_s = load_s;
-  statistics.threads = threads;
-  take_time_and_memory(statistics);
-  write_images(outputs, image, transform, image_metadata(statistics),
-               placed(options.write, session.film().window(), loaded.scene->settings));
-  take_time_and_memory(statistics);
-  if (!options.statistics.empty()) write_file(options.statistics, statistics_json(statistics));
-  report_done(options, statistics, outputs);
-  const bool faults = report_faults(statistics);
-  return interrupted ? interrupted : int(faults ? ExitCode::Limit : ExitCode::Done);
+  if (!options.frames.empty()) return render_frames(options, load);
+  return ImageRender(options, load, outputs_of(options)).run();
 }
 
 }  // namespace meristem

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "renderer/cli/exit_code.h"
-#include "renderer/film/film.h"
-#include "renderer/image/image.h"
+#include "renderer/cli/outputs.h"
 #include "renderer/loading/load_scene.h"
+#include "renderer/session/progress.h"
 
 #include <functional>
 #include <optional>
@@ -18,13 +18,16 @@ using SceneLoader = std::function<LoadedScene(const std::string& path, const Loa
 
 struct RenderOptions {
   std::string scene;
-  std::vector<std::string> outputs;  // empty: the scene's name with .exr and .png in the current folder
+  OutputOptions outputs;  // no files: the scene's name with .exr and .png in the current folder
   LoadOptions load;
   std::optional<PixelWindow> crop;
-  std::string view;    // of display images; empty: the default
-  float exposure = 0;  // stops, of display images
-  WriteOptions write;
-  std::string statistics;  // JSON file; empty: none
+  std::optional<SampleRange> sample_range;  // else from 0 to the number of samples
+  std::optional<double> time_limit_s;
+  std::optional<double> checkpoint_s;              // write the images and a film file so often
+  bool resume = false;                             // go on from the film file if there is one
+  std::vector<int> frames;                         // empty: one image
+  std::string statistics;                          // JSON file; empty: none
+  std::optional<ProgressDisplay::Style> progress;  // none: what suits standard error
   bool quiet = false, verbose = false;
   std::string command_line;  // for metadata
 };

@@ -19,7 +19,15 @@ namespace ocio = OCIO_NAMESPACE;
 namespace {
 
 constexpr const char* working_space = "Linear Rec.709 (sRGB)";
-constexpr const char* display_name = "sRGB";
+
+struct Display {
+  const char* name;
+  const char* from_xyz;  // OpenColorIO's transform to its code values
+};
+// The first is the default.
+constexpr Display displays[] = {{"sRGB", "DISPLAY - CIE-XYZ-D65_to_sRGB"},
+                                {"Rec.1886", "DISPLAY - CIE-XYZ-D65_to_REC.1886-REC.709"},
+                                {"P3-D65", "DISPLAY - CIE-XYZ-D65_to_G2.6-P3-D65"}};
 
 ocio::BuiltinTransformRcPtr builtin(const char* style,
                                     ocio::TransformDirection direction = ocio::TRANSFORM_DIR_FORWARD) {
@@ -58,25 +66,27 @@ void add_view(ocio::Config& config, const char* name, const char* aces_to_xyz) {
   transform->setName(name);
   transform->setTransform(builtin(aces_to_xyz), ocio::VIEWTRANSFORM_DIR_FROM_REFERENCE);
   config.addViewTransform(transform);
-  config.addDisplayView(display_name, name, name, display_name, "", "", "");
+  for (const Display& d : displays) config.addDisplayView(d.name, name, name, d.name, "", "", "");
 }
 
-// The display reference is CIE XYZ with the white D65; the display's space leads from there to code values.
-void add_display(ocio::Config& config) {
-  ocio::ColorSpaceRcPtr display = ocio::ColorSpace::Create(ocio::REFERENCE_SPACE_DISPLAY);
-  display->setName(display_name);
-  display->setTransform(builtin("DISPLAY - CIE-XYZ-D65_to_sRGB"), ocio::COLORSPACE_DIR_FROM_REFERENCE);
-  config.addColorSpace(display);
+// The display reference is CIE XYZ with the white D65; a display's space leads from there to code values.
+void add_displays(ocio::Config& config) {
+  for (const Display& d : displays) {
+    ocio::ColorSpaceRcPtr space = ocio::ColorSpace::Create(ocio::REFERENCE_SPACE_DISPLAY);
+    space->setName(d.name);
+    space->setTransform(builtin(d.from_xyz), ocio::COLORSPACE_DIR_FROM_REFERENCE);
+    config.addColorSpace(space);
+  }
   add_view(config, "ACES SDR", "ACES-OUTPUT - ACES2065-1_to_CIE-XYZ-D65 - SDR-VIDEO_1.0");
   add_view(config, "sRGB", "UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD");
-  config.addDisplayView(display_name, "Raw", "Raw", "");
+  for (const Display& d : displays) config.addDisplayView(d.name, "Raw", "Raw", "");
 }
 
 ocio::ConstConfigRcPtr built_in_config() {
   ocio::ConfigRcPtr config = ocio::Config::Create();
   config->setVersion(2, 0);
   add_scene_spaces(*config);
-  add_display(*config);
+  add_displays(*config);
   config->validate();
   return config;
 }
@@ -90,20 +100,26 @@ ocio::ConstConfigRcPtr current_config() {
   return environment_has_config() ? ocio::Config::CreateFromEnv() : built_in_config();
 }
 
-std::vector<std::string> views_of(const ocio::Config& config) {
-  const char* display = config.getDefaultDisplay();
+std::vector<std::string> displays_of(const ocio::Config& config) {
+  std::vector<std::string> names{config.getDefaultDisplay()};
+  for (int i = 0; i < config.getNumDisplays(); ++i)
+    if (const std::string name = config.getDisplay(i); name != names[0]) names.push_back(name);
+  return names;
+}
+
+std::vector<std::string> views_of(const ocio::Config& config, const char* display) {
   std::vector<std::string> names{config.getDefaultView(display)};
   for (int i = 0; i < config.getNumViews(display); ++i)
     if (const std::string name = config.getView(display, i); name != names[0]) names.push_back(name);
   return names;
 }
 
-std::string chosen_view(const ocio::Config& config, const std::string& wanted) {
-  const std::vector<std::string> names = views_of(config);
+// The one that is wanted, in any case; the first if none is.
+std::string chosen(const char* what, const std::vector<std::string>& names, const std::string& wanted) {
   if (wanted.empty()) return names[0];
   for (const std::string& name : names)
     if (strcasecmp(name.c_str(), wanted.c_str()) == 0) return name;
-  throw ColorError(fmt::format("no view named \"{}\"; known: {}", wanted, fmt::join(names, ", ")));
+  throw ColorError(fmt::format("no {} named \"{}\"; known: {}", what, wanted, fmt::join(names, ", ")));
 }
 
 // Our working space to the space `config` calls scene_linear. Null: they are the same space.
@@ -113,14 +129,15 @@ ocio::ConstCPUProcessorRcPtr to_scene_linear(const ocio::ConstConfigRcPtr& confi
       ->getDefaultCPUProcessor();
 }
 
-ocio::ConstCPUProcessorRcPtr to_display(const ocio::ConstConfigRcPtr& config, const std::string& view, float exposure) {
+ocio::ConstCPUProcessorRcPtr to_display(const ocio::ConstConfigRcPtr& config, const std::string& display,
+                                        const std::string& view, float exposure) {
   ocio::MatrixTransformRcPtr gain = ocio::MatrixTransform::Create();
   const double factor = std::exp2(double(exposure));
   const double matrix[16] = {factor, 0, 0, 0, 0, factor, 0, 0, 0, 0, factor, 0, 0, 0, 0, 1};
   gain->setMatrix(matrix);
   ocio::DisplayViewTransformRcPtr show = ocio::DisplayViewTransform::Create();
   show->setSrc(config->getColorSpace(working_space) ? working_space : ocio::ROLE_SCENE_LINEAR);
-  show->setDisplay(config->getDefaultDisplay());
+  show->setDisplay(display.c_str());
   show->setView(view.c_str());
   ocio::GroupTransformRcPtr both = ocio::GroupTransform::Create();
   both->appendTransform(gain);
@@ -144,11 +161,13 @@ struct DisplayTransform::Processors {
   ocio::ConstCPUProcessorRcPtr scene_linear, display;
 };
 
-DisplayTransform::DisplayTransform(const std::string& view, float exposure) {
+DisplayTransform::DisplayTransform(const std::string& view, float exposure, const std::string& display) {
   processors_ = with_color_errors([&] {
     const ocio::ConstConfigRcPtr config = current_config();
-    const std::string name = chosen_view(*config, view);
-    return std::make_unique<Processors>(Processors{to_scene_linear(config), to_display(config, name, exposure)});
+    const std::string shown_on = chosen("display", displays_of(*config), display);
+    const std::string name = chosen("view", views_of(*config, shown_on.c_str()), view);
+    return std::make_unique<Processors>(
+        Processors{to_scene_linear(config), to_display(config, shown_on, name, exposure)});
   });
 }
 
@@ -163,7 +182,10 @@ void DisplayTransform::apply(float* pixels, int width, int height, int channels)
 }
 
 std::vector<std::string> DisplayTransform::views() {
-  return with_color_errors([] { return views_of(*current_config()); });
+  return with_color_errors([] {
+    const ocio::ConstConfigRcPtr config = current_config();
+    return views_of(*config, config->getDefaultDisplay());
+  });
 }
 
 }  // namespace meristem

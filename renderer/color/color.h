@@ -1,12 +1,12 @@
 // From scene-linear light to what a display shows; the one place that includes OpenColorIO.
 //
 // The configuration is made in code from OpenColorIO's built-in transforms, so no file has to be installed: the working
-// space is scene-linear Rec.709 ("Linear Rec.709 (sRGB)"), with ACEScg and ACES2065-1 beside it, on an sRGB display
-// with these views:
+// space is scene-linear Rec.709 ("Linear Rec.709 (sRGB)"), with ACEScg and ACES2065-1 beside it. The displays are sRGB
+// (the default), Rec.1886 and P3-D65, each with these views:
 //   ACES SDR  the ACES 1.0 rendering for video: tone-mapped; the default
-//   sRGB      the sRGB transfer function alone (IEC 61966-2-1), light above 1 is cut off by the file
+//   sRGB      not tone-mapped: the display's own encoding alone, light above 1 is cut off by the file
 //   Raw       the values as they are
-// If the environment variable OCIO names a configuration, its default display and its views stand instead. It must
+// If the environment variable OCIO names a configuration, its displays and views stand instead. It must
 // have the role "aces_interchange", or know our working space by its name.
 #pragma once
 
@@ -25,9 +25,9 @@ class ColorError : public std::runtime_error {
 
 class DisplayTransform {
  public:
-  // `view` by name, in any case; empty: the default view. `exposure` in stops: each doubles the light before the view.
-  // Throws ColorError.
-  explicit DisplayTransform(const std::string& view, float exposure = 0);
+  // `view` and `display` by name, in any case; empty: the default. `exposure` in stops: each doubles the light before
+  // the view. Throws ColorError.
+  explicit DisplayTransform(const std::string& view, float exposure = 0, const std::string& display = "");
   ~DisplayTransform();
   DisplayTransform(DisplayTransform&&) noexcept;
 
@@ -35,7 +35,7 @@ class DisplayTransform {
   // stays. Any thread; about 10 million pixels a second.
   void apply(float* pixels, int width, int height, int channels) const;
 
-  // The views of the configuration in use, the default first.
+  // The views of the default display of the configuration in use, the default first.
   static std::vector<std::string> views();
 
  private:

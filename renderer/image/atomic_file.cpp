@@ -37,26 +37,76 @@ std::string resolved_target(const std::string& path) {
   return target.string();
 }
 
+std::string temporary_name(const std::string& target, int attempt) {
+  return fmt::format("{}.{}-{}.tmp", target, ::getpid(), attempt);
+}
+
+// Of bytes after those that gave `sum`: depends on every byte and its place.
+std::uint64_t checksum(std::uint64_t sum, std::string_view bytes) {
+  for (const char c : bytes) sum = (sum ^ std::uint8_t(c)) * 0x100000001b3ull + 1;
+  return sum;
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(resolved_target(path)) {
-  for (int attempt = 0; descriptor_ < 0; ++attempt) {
-    temporary_ = fmt::format("{}.{}-{}.tmp", target_, ::getpid(), attempt);
-    descriptor_ = ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && errno != EEXIST) fail();
-  }
+  open_unnamed();
+  if (descriptor_ < 0) open_named();
   struct stat status {};
   if (::stat(target_.c_str(), &status) == 0) ::fchmod(descriptor_, status.st_mode & 07777);
 }
 
 AtomicFile::~AtomicFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
-  if (!committed_) ::unlink(temporary_.c_str());
+  if (!committed_ && !temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void AtomicFile::open_unnamed() {
+  descriptor_ = ::open(folder_of(target_).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+}
+
+void AtomicFile::open_named() {
+  for (int attempt = 0; descriptor_ < 0; ++attempt) {
+    temporary_ = temporary_name(target_, attempt);
+    descriptor_ = ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno != EEXIST) {
+      temporary_.clear();
+      fail();
+    }
+  }
+}
+
+void AtomicFile::name_it() {
+  const std::string opened = fmt::format("/proc/self/fd/{}", descriptor_);
+  for (int attempt = 0; temporary_.empty(); ++attempt) {
+    const std::string name = temporary_name(target_, attempt);
+    if (::linkat(AT_FDCWD, opened.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0)
+      temporary_ = name;
+    else if (errno != EEXIST)
+      fail();
+  }
+}
+
+// Reads the file back: some file systems report success and lose bytes.
+void AtomicFile::verify() const {
+  std::string block(std::size_t(1) << 20, '\0');
+  std::uint64_t size = 0, sum = 0;
+  for (;;) {
+    const ssize_t read = ::pread(descriptor_, block.data(), block.size(), off_t(size));
+    if (read < 0 && errno == EINTR) continue;
+    if (read < 0) fail();
+    if (read == 0) break;
+    sum = checksum(sum, {block.data(), std::size_t(read)});
+    size += std::uint64_t(read);
+  }
+  if (size != size_ || sum != sum_) throw write_error(path_, "the disk does not give back what was written");
 }
 
 void AtomicFile::fail() const { throw write_error(path_, std::strerror(errno)); }
 
 void AtomicFile::append(std::string_view bytes) {
+  size_ += bytes.size();
+  sum_ = checksum(sum_, bytes);
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
@@ -67,6 +117,8 @@ void AtomicFile::append(std::string_view bytes) {
 
 void AtomicFile::commit() {
   if (::fsync(descriptor_) != 0) fail();
+  verify();
+  if (temporary_.empty()) name_it();
   if (::close(std::exchange(descriptor_, -1)) != 0) fail();
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail();
   committed_ = true;

@@ -31,7 +31,7 @@ Image clamped_channels(const Image& image, int kept, float low, float high, std:
 
 }  // namespace
 
-Image read_image(const std::string& path) { return image_codec().read(path); }
+Image read_image(const std::string& path, const std::string& part) { return image_codec().read(path, part); }
 
 ImageFormat image_format(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();

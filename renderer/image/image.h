@@ -4,7 +4,7 @@
 // Reading: EXR, PNG, JPEG, Radiance HDR and TIFF, told apart by their first bytes, never by their names. Only regular
 // files, at most 65536 pixels a side, 64 channels and 2 GiB decoded, all checked before a pixel is read. Values are
 // those of the file: integers scaled to [0, 1], no colour conversion, alpha not multiplied in. Of a multi-part file
-// the first part is read; of a cropped EXR the data window.
+// the first part is read, or the one named; of a cropped EXR the data window.
 // Writing: EXR, PNG, JPEG and TIFF by extension; the file appears whole or not at all (atomic_file.h).
 // Any thread; every error is a FileError that names the file.
 #pragma once
@@ -24,7 +24,7 @@ struct Image {
   std::vector<float> pixels;
 };
 
-Image read_image(const std::string& path);
+Image read_image(const std::string& path, const std::string& part = "");
 
 using Metadata = std::vector<std::pair<std::string, std::string>>;  // name, value
 

@@ -6,7 +6,7 @@
 // Program and module are built together; between them pass this interface and exceptions.
 #pragma once
 
-#include "renderer/image/image.h"
+#include "renderer/image/exr_parts.h"
 #include "renderer/image/texture.h"
 
 #include <memory>
@@ -18,10 +18,14 @@ namespace meristem {
 // Any thread; errors are FileErrors that name the file.
 class ImageCodec {
  public:
-  virtual Image read(const std::string& path) const = 0;
+  // `part` of a file with several, by name; empty: the first.
+  virtual Image read(const std::string& path, const std::string& part) const = 0;
   // The bytes of a file. `path` is for messages; the image's channels are those that the file gets.
   virtual std::vector<unsigned char> encode(const std::string& path, ImageFormat format, const Image& image,
                                             const Metadata& metadata, const WriteOptions& options) const = 0;
+  // The bytes of an EXR file of several parts; values of halves are in their range.
+  virtual std::vector<unsigned char> encode_parts(const std::string& path, const std::vector<ExrPart>& parts,
+                                                  const ExrFrame& frame, const Metadata& metadata) const = 0;
   virtual std::unique_ptr<const Texture> open_texture(const std::string& path, const TextureOptions& options) const = 0;
 
  protected:

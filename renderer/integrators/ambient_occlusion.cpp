@@ -1,7 +1,7 @@
 // ambient_occlusion: how open the surroundings of each point are, from 0 (enclosed) to 1: shape without light or
 // colour. One cosine-distributed ray a sample, as long as `distance`. What the camera sees of nothing is 1.
+#include "renderer/integrators/first_surface.h"
 #include "renderer/scene/ray_origin.h"
-#include "renderer/scene/scene.h"
 #include "renderer/scene/warps.h"
 
 namespace meristem {
@@ -13,11 +13,13 @@ class AmbientOcclusion : public Integrator {
     distance_ = float(params.real("distance", 1e6, {0, 1e9, "m"}, "beyond it nothing occludes"));
   }
 
-  Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts) const override {
+  Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts,
+                    FirstSurface* first) const override {
     ++counts.camera;
     SurfaceHit hit;
     bool open = true;
     if (scene.intersector->intersect(ray, hit)) {
+      report_first(first, scene, ray, hit);
       const bool behind = dot(hit.geometric_normal, ray.direction) > 0;
       const Frame frame(behind ? -hit.geometric_normal : hit.geometric_normal);
       Ray probe = ray_from(hit, frame.to_world(cosine_hemisphere(sampler.next_2d())), ray.time);

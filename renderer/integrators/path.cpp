@@ -8,6 +8,7 @@
 // Opacity below 1 lets camera and bounce rays pass by chance and dims shadow rays; neither counts as a bounce. Lights
 // with shapes add their light to a ray that crosses them and do not stop it, as they stop no shadow ray either. Glowing
 // objects are hit like any surface, and asked for light like any lamp where the loader has made lights of their faces.
+#include "renderer/integrators/first_surface.h"
 #include "renderer/integrators/light_choice.h"
 #include "renderer/materials/bsdf.h"
 #include "renderer/scene/ray_origin.h"
@@ -32,7 +33,8 @@ class Path : public Integrator {
     choice_.emplace(scene.lights);
     transparency_ = std::ranges::any_of(scene.materials, [](const auto& m) { return m->may_be_transparent(); });
   }
-  Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts) const override;
+  Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts,
+                    FirstSurface* first) const override;
 
   const LightChoice& choice() const { return *choice_; }
   bool transparency() const { return transparency_; }  // of some material
@@ -47,12 +49,13 @@ class Path : public Integrator {
 // One camera path while it is followed.
 class Walk {
  public:
-  Walk(const Path& path, const Scene& scene, Sampler& sampler, RayCounts& counts, const Ray& ray)
+  Walk(const Path& path, const Scene& scene, Sampler& sampler, RayCounts& counts, FirstSurface* first, const Ray& ray)
       : path_(path),
         choice_(path.choice()),
         scene_(scene),
         sampler_(sampler),
         counts_(counts),
+        first_(first),
         ray_(ray),
         last_vertex_{ray.origin, {}} {}
 
@@ -79,6 +82,7 @@ class Walk {
     scene_.material_of(hit).evaluate(point, bsdf);
     if (bsdf.inside() && bsdf.absorption != Spectrum{}) throughput_ *= passed(bsdf.absorption, hit.t);
     if (bsdf.opacity < 1 && sampler_.next_1d() >= bsdf.opacity) return pass_through(hit);
+    if (depth_ == 0) report_first(first_, hit, bsdf);
     if (bsdf.emission != Spectrum{}) sum_ += throughput_ * bsdf.emission * weight_of_surface(hit);
     if (depth_ >= scene_.settings.max_depth) return false;
     add_direct_light(point, bsdf);
@@ -209,6 +213,7 @@ class Walk {
   const Scene& scene_;
   Sampler& sampler_;
   RayCounts& counts_;
+  FirstSurface* const first_;  // null: nobody asks
   Ray ray_;
   Receiver last_vertex_;  // where the ray was scattered, and how:
   float last_pdf_ = 0;    // 0: it comes from the camera
@@ -220,8 +225,9 @@ class Walk {
   int passes_ = 0;
 };
 
-Spectrum Path::radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts) const {
-  const Spectrum result = Walk(*this, scene, sampler, counts, ray).follow();
+Spectrum Path::radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts,
+                        FirstSurface* first) const {
+  const Spectrum result = Walk(*this, scene, sampler, counts, first, ray).follow();
   scene.intersector->quiescent();
   return result;
 }

@@ -39,6 +39,7 @@ Vec3d read_scale(Params& params) {
 ObjectSection read_object(Params& params) {
   ObjectSection section;
   section.model = params.required_text("model", "name of one of the file's models");
+  section.name = params.text("name", "", "in mattes; none: that of the model, numbered if it stands more than once");
   section.seed =
       params.integer("seed", 0, {0, 2147483647, ""}, "another seed grows another individual of the same kind");
   const Vec3d position = params.vector("position", {0, 0, 0}, any_range, "where the model's origin stands, in metres");
@@ -46,6 +47,21 @@ ObjectSection read_object(Params& params) {
       params.vector("rotate", {0, 0, 0}, {-36000, 36000, "deg"}, "turns about x, y and z: first z, then x, then y");
   section.to_world = placement(position, rotate, read_scale(params));
   return section;
+}
+
+std::vector<std::string> object_names(const Value& objects) {
+  std::vector<std::string> names;
+  std::map<std::string, int> seen, total;
+  const auto text = [](const Value& object, const char* key) {
+    const Value* v = object.find(key);
+    return v ? v->text : std::string();
+  };
+  for (const Value& o : objects.items) total[text(o, "model")] += text(o, "name").empty() ? 1 : 0;
+  for (const Value& o : objects.items) {
+    const std::string own = text(o, "name"), model = text(o, "model");
+    names.push_back(!own.empty() ? own : total[model] == 1 ? model : fmt::format("{} {}", model, ++seen[model]));
+  }
+  return names;
 }
 
 ScatterSection read_scatter(Params& params) {

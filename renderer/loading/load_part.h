@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace meristem {
 
@@ -28,10 +29,15 @@ GroupSection read_group(Params& params);
 // An object: a model in its place.
 struct ObjectSection {
   std::string model;
+  std::string name;  // for mattes; empty: that of the model, numbered if it stands more than once
   int seed = 0;
   Affine3d to_world;
 };
 ObjectSection read_object(Params& params);
+
+// Names of a list of objects, for mattes: their own, or those of their models: "tree", or "tree 1", "tree 2" if there
+// are several without a name.
+std::vector<std::string> object_names(const Value& objects);
 
 // Builds the models of a scene file when they are first named, once for each seed.
 class PartLibrary {

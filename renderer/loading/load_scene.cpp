@@ -2,11 +2,13 @@
 
 #include "geometry/base/parallel.h"
 #include "geometry/base/sha256.h"
+#include "renderer/language/override.h"
 #include "renderer/language/scene_file.h"
 #include "renderer/loading/all_components.h"
 #include "renderer/loading/glowing_objects.h"
 #include "renderer/loading/load_part.h"
 #include "renderer/loading/load_settings.h"
+#include "renderer/loading/scene_files.h"
 
 #include <fmt/format.h>
 
@@ -43,7 +45,10 @@ class SceneBuilder {
   SceneBuilder(const std::string& path, const LoadOptions& options) : path_(path), options_(options) {}
 
   LoadedScene build() {
-    const Value file = read_scene_file(path_, diagnostics_);
+    Value file = read_scene_file(path_, diagnostics_);
+    diagnostics_.throw_if_errors();
+    auto texts = scene_texts(file);
+    for (const std::string& text : options_.set) apply_override(file, text, options_.frame.value_or(0), diagnostics_);
     diagnostics_.throw_if_errors();
     Params params(file, "scene", diagnostics_);
     params.raw("format", false, "", "");
@@ -67,6 +72,7 @@ class SceneBuilder {
     PartLibrary library(models, context);
     std::vector<Placement> world = objects ? library.place(*objects) : std::vector<Placement>{};
     library.check_unused();
+    if (objects) scene_->names.objects = object_names(*objects);
     diagnostics_.throw_if_errors();
 
     add_glowing_objects(world, *scene_);
@@ -74,7 +80,8 @@ class SceneBuilder {
     scene_->intersector = make_world(std::move(world), {options_.expand, scene_->settings.budget_bytes, threads,
                                                         camera_footprint(*scene_), options_.record});
     if (!options_.check_only) scene_->prepare();
-    return {std::move(scene_), sha256(file.location.source ? file.location.source->text : ""), diagnostics_.list()};
+    return {std::move(scene_), sha256(file.location.source ? file.location.source->text : ""), diagnostics_.list(),
+            std::move(texts), named_files(file, folder())};
   }
 
  private:
@@ -107,9 +114,11 @@ class SceneBuilder {
 
   void add_materials(const Value* materials) {
     scene_->materials.push_back(make<Material>(all_components().materials, nullptr, default_material));
+    scene_->names.materials.push_back("default");
     if (!materials) return;
     for (const Member& m : materials->members) {
       material_names_[m.key] = int(scene_->materials.size());
+      scene_->names.materials.push_back(m.key);
       scene_->materials.push_back(make(all_components().materials, &m.value, default_material));
     }
   }
@@ -172,6 +181,10 @@ class SceneBuilder {
     s.detail = options_.detail.value_or(s.detail);
     s.seed = options_.seed.value_or(s.seed);
     s.budget_bytes = options_.budget_bytes.value_or(s.budget_bytes);
+    s.noise = options_.noise.value_or(s.noise);
+    s.aovs.insert(s.aovs.end(), options_.aovs.begin(), options_.aovs.end());
+    std::ranges::sort(s.aovs);
+    s.aovs.erase(std::unique(s.aovs.begin(), s.aovs.end()), s.aovs.end());
   }
 
   const std::string path_;

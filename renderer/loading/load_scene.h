@@ -28,12 +28,18 @@ struct LoadOptions {
   bool record = false;           // what expansion does, for Intersector::profile()
   bool check_only = false;       // the scene will not be rendered: Scene::prepare() is left out
   std::string camera;            // name of one of the file's cameras; empty: the file's first
+  std::optional<double> noise;
+  std::vector<Aov> aovs;         // besides those of the file
+  std::vector<std::string> set;  // overrides of single values: renderer/language/override.h
+  std::optional<int> frame;      // its number; what overrides compute with, 0 if there is none
 };
 
 struct LoadedScene {
   std::unique_ptr<Scene> scene;  // never null
   std::string sha256;            // of the scene text, 64 hexadecimal digits
   std::vector<Diagnostic> warnings;
+  std::vector<std::pair<std::string, std::string>> texts = {};  // read, included ones too: name and SHA-256
+  std::vector<std::pair<std::string, std::string>> files = {};  // that the scene names: name and path
 };
 
 // `path` is a file, or "-" for standard input. Throws SceneErrors with every error of the pass, an unreadable file

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <stdexcept>
 #include <string_view>
 
 namespace meristem {
@@ -38,6 +39,28 @@ double unit_factor(std::string_view suffix) {
   return std::exp2(10.0 * double(power + 1));
 }
 
+// "aovs": a list of names, or "all".
+void read_aovs(Params& params, RenderSettings& settings) {
+  const Value* aovs = params.raw("aovs", false, R"({"type": "array", "items": {"type": "string"}, "default": []})",
+                                 "what EXR files hold beside the picture, such as [\"albedo\", \"normal\", \"Z\"]");
+  if (!aovs) return;
+  if (aovs->kind != Value::Kind::Array) return params.error("aovs", "\"aovs\" is a list of names");
+  std::string list;
+  for (const Value& name : aovs->items) {
+    if (name.kind != Value::Kind::Text || name.text.find(',') != std::string::npos) {
+      params.diagnostics().error(name.location, "\"aovs\" is a list of names");
+      continue;
+    }
+    try {
+      parse_aovs(name.text);
+      list += (list.empty() ? "" : ",") + name.text;
+    } catch (const std::invalid_argument& error) {
+      params.diagnostics().error(name.location, error.what());
+    }
+  }
+  if (!list.empty()) settings.aovs = parse_aovs(list);
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> parse_bytes(const std::string& text) {
@@ -59,6 +82,8 @@ RenderSection read_render(Params& params) {
                          "wanted size of faces: finer levels are left out; 0: none is, however small");
   s.seed = std::uint64_t(
       params.integer("seed", 0, {0, 2147483647, ""}, "another seed gives other noise, not another scene"));
+  s.noise = params.real("noise", 0, {0, 1, ""}, "pixels whose noise is below it take no more samples; 0: all take all");
+  read_aovs(params, s);
   const std::string budget = params.text("budget", "2G", "memory for expanded geometry, such as 512M or 2G");
   if (const auto bytes = parse_bytes(budget))
     s.budget_bytes = *bytes;

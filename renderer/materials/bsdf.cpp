@@ -201,6 +201,11 @@ Spectrum Bsdf::passed_through(Vec3f wo, Vec3f wi) const {
   return f * coat_color(wo.z, -wi.z);
 }
 
+Spectrum Bsdf::albedo() const {
+  const Spectrum base = (diffuse + transmitted) * (1 - glass) + glass_tint * glass;
+  return base * (1 - metalness) + metal_f0 * (metal_weight * metalness);
+}
+
 Spectrum Bsdf::evaluate(Vec3f wo_world, Vec3f wi_world) const {
   const Vec3f wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
   if (!same_side(wo_world) || !(wo.z > 0)) return {};

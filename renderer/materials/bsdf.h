@@ -63,6 +63,10 @@ struct Bsdf {
   bool transmits() const { return transmitted != Spectrum{} || glass > 0; }
   // Whether wo lies inside the glass.
   bool inside() const { return inside_; }
+  // What it gives back of white light, roughly and without directions: the base and the metal, not what lies over
+  // them. For AOVs.
+  Spectrum albedo() const;
+
   // The scattered part times |cos| of wi. Here and below wo is that of set_frame().
   Spectrum evaluate(Vec3f wo, Vec3f wi) const;
   // The density of sample() by solid angle.

@@ -151,13 +151,22 @@ struct RayCounts {
   }
 };
 
+// What a camera ray shows: the first surface that it does not pass through. For AOVs and mattes.
+struct FirstSurface {
+  SurfaceHit hit;                      // not valid() if there is none; its origin is not kept
+  Spectrum albedo;                     // of the surface in all, directions left out; each in [0, 1]
+  int material = -1, production = -1;  // indices into Scene::names
+};
+
 class Integrator {
  public:
   virtual ~Integrator() = default;
   // Called once before rendering, with the scene of all later calls.
   virtual void prepare(const Scene& scene) { (void)scene; }
-  // Radiance along a camera ray. Pure but for the sampler, the counts and expansion.
-  virtual Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts) const = 0;
+  // Radiance along a camera ray. Pure but for the sampler, the counts and expansion. If `first` is not null, somebody
+  // wants to know what the ray shows: report_first() of renderer/integrators/first_surface.h fills it.
+  virtual Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts,
+                            FirstSurface* first) const = 0;
 };
 
 using SamplerRegistry = Registry<Sampler>;

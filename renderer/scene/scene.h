@@ -1,6 +1,7 @@
 // Scene: everything a render needs, built once from a scene file and prepared, then read-only.
 #pragma once
 
+#include "renderer/scene/aov.h"
 #include "renderer/scene/interfaces.h"
 
 #include <memory>
@@ -17,6 +18,13 @@ struct RenderSettings {
   double detail = 1;  // wanted size of faces in pixels; 0: every level, however small
   std::uint64_t seed = 0;
   std::uint64_t budget_bytes = std::uint64_t(2) << 30;  // of the geometry cache
+  double noise = 0;       // a pixel takes no more samples when its noise falls below it (film/noise.h); 0: never
+  std::vector<Aov> aovs;  // beside the beauty; sorted, each once
+};
+
+// What things are called, for mattes. Indices are those of SurfaceHit::object, FaceOrigin::material and ::production.
+struct SceneNames {
+  std::vector<std::string> objects, materials, productions;
 };
 
 class Scene {
@@ -29,6 +37,7 @@ class Scene {
   std::unique_ptr<Filter> filter;
   std::unique_ptr<Intersector> intersector;
   RenderSettings settings;
+  SceneNames names;
 
   // Makes what rendering needs and checking does not, such as tables of lights. Once, before the first ray.
   void prepare() {

@@ -1,9 +1,11 @@
 // Interruption: while one lives, the first SIGINT or SIGTERM asks the render to stop, so that the image so far can be
-// written; a second SIGINT within two seconds ends the process at once (exit code 130, files untouched). The handler
-// sets a flag and nothing else. One at a time, in the thread of the command line; signals belong to the process, so its
-// flags do too.
+// written; a second SIGINT within two seconds ends the process at once (exit code 130, files untouched). SIGHUP and
+// SIGUSR1 ask for a snapshot: files are written and the render goes on. SIGPIPE is ignored, so that a closed pipe is an
+// error like any other. The handlers set flags and nothing else. One at a time, in the thread of the command line;
+// signals belong to the process, so its flags do too.
 #pragma once
 
+#include <array>
 #include <atomic>
 
 #include <signal.h>
@@ -21,10 +23,12 @@ class Interruption {
   const std::atomic<bool>& requested() const;
   // The signal that came first, or 0.
   int signal() const;
+  // Whether a snapshot was asked for since the last call.
+  bool take_snapshot_request() const;
 
  private:
-  struct sigaction old_interrupt_ {
-  }, old_terminate_{};
+  static constexpr std::array handled{SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGPIPE};
+  std::array<struct sigaction, handled.size()> old_{};
 };
 
 }  // namespace meristem

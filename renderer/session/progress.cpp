@@ -13,7 +13,7 @@ namespace meristem {
 namespace {
 
 constexpr double line_interval_s = 5;
-constexpr double estimate_from = 0.01;  // of the work: earlier the time left is a guess
+constexpr double json_interval_s = 0.5;
 
 int terminal_columns(std::FILE* out) {
   winsize size{};
@@ -24,8 +24,7 @@ std::string percent(const RenderProgress& p) { return fmt::format("{:3.0f} %", s
 
 std::string times(const RenderProgress& p) {
   std::string text = fmt::format("pass {}/{}, {}", p.pass, p.passes, format_duration(p.elapsed_s));
-  if (p.fraction() >= estimate_from && p.fraction() < 1)
-    text += fmt::format(", {} left", format_duration(p.elapsed_s * (1 / p.fraction() - 1)));
+  if (const auto left = p.seconds_left()) text += fmt::format(", {} left", format_duration(*left));
   return text;
 }
 
@@ -54,18 +53,34 @@ ProgressDisplay::Style ProgressDisplay::style_for(std::FILE* out) {
   return ::isatty(::fileno(out)) ? Style::Bar : Style::Lines;
 }
 
-ProgressDisplay::~ProgressDisplay() {
-  if (bar_shown_) fmt::print(out_, "\r\033[K");
+std::string format_json(const RenderProgress& p) {
+  const auto left = p.seconds_left();
+  return fmt::format(
+      R"({{"event": "progress", "fraction": {:.4f}, "samples": {}, "samples_total": {}, "pass": {}, "passes": {}, )"
+      R"("elapsed_s": {:.3f}, "left_s": {}}})",
+      p.fraction(), p.samples_done, p.samples_total, p.pass, p.passes, p.elapsed_s,
+      left ? fmt::format("{:.3f}", *left) : "null");
+}
+
+void ProgressDisplay::clear() {
+  if (bar_shown_) write("\r\033[K");
+  std::fflush(out_);
+  bar_shown_ = false;
 }
 
 void ProgressDisplay::update(const RenderProgress& progress) {
   if (style_ == Style::None) return;
   if (style_ == Style::Bar) {
-    fmt::print(out_, "\r\033[K{}", format_bar(progress, terminal_columns(out_) - 1));
+    write("\r\033[K" + format_bar(progress, terminal_columns(out_) - 1));
     bar_shown_ = true;
+  } else if (style_ == Style::Json) {
+    if (progress.elapsed_s - last_line_s_ >= json_interval_s || progress.samples_done >= progress.samples_total) {
+      last_line_s_ = progress.elapsed_s;
+      write(format_json(progress) + "\n");
+    }
   } else if (progress.elapsed_s - last_line_s_ >= line_interval_s) {
     last_line_s_ = progress.elapsed_s;
-    fmt::print(out_, "{}\n", format_line(progress));
+    write(format_line(progress) + "\n");
   }
   std::fflush(out_);
 }

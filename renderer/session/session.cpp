@@ -2,10 +2,12 @@
 
 #include "geometry/base/check.h"
 #include "geometry/base/parallel.h"
+#include "renderer/film/noise.h"
 #include "renderer/session/process_clock.h"
 #include "renderer/session/tiles.h"
 
 #include <algorithm>
+#include <chrono>
 
 namespace meristem {
 
@@ -18,58 +20,91 @@ PixelWindow visible_window(const RenderSettings& settings, const std::optional<P
   return crop ? crop->intersected(frame) : frame;
 }
 
+// Adaptive sampling asks the film for variances.
+std::vector<Aov> film_aovs(const RenderSettings& settings) {
+  std::vector<Aov> aovs = settings.aovs;
+  const auto at = std::ranges::lower_bound(aovs, Aov::Variance);
+  if (settings.noise > 0 && (at == aovs.end() || *at != Aov::Variance)) aovs.insert(at, Aov::Variance);
+  return aovs;
+}
+
+// Through the middle of the image and of the lens.
+Ray central_ray(const Scene& scene) {
+  const RenderSettings& s = scene.settings;
+  return scene.camera->ray({{0.5f * float(s.width), 0.5f * float(s.height)}, {0.5f, 0.5f}}, s.width, s.height);
+}
+
 }  // namespace
 
 // What one thread has of its own during a pass.
 struct RenderSession::Worker {
   int thread;
-  Pass pass;
+  std::uint32_t pass_end;
   std::unique_ptr<Sampler> sampler;
   RayCounts rays;
 };
+
+std::optional<double> RenderProgress::seconds_left() const {
+  const double done = double(samples_done - samples_before), all = double(samples_total) - double(samples_before);
+  if (done >= all || done < 0.01 * all) return std::nullopt;
+  return elapsed_s * (all / done - 1);
+}
 
 RenderSession::RenderSession(const Scene& scene, SessionOptions options)
     : scene_(scene),
       options_(std::move(options)),
       filter_(*scene.filter),
-      film_(visible_window(scene.settings, options_.crop), filter_.mean_weight()),
+      film_(visible_window(scene.settings, options_.crop), filter_.mean_weight(), film_aovs(scene.settings)),
+      view_axis_(central_ray(scene)),
       tiles_(tiles_along_hilbert_curve(film_.window(), options_.tile_side)),
-      passes_(passes_for(scene.settings.samples)),
+      pass_ends_(pass_ends(std::uint32_t(scene.settings.samples), scene.settings.noise > 0)),
       threads_(options_.threads > 0 ? options_.threads : default_thread_count()) {}
 
-std::vector<RenderSession::Pass> RenderSession::passes_for(int samples) {
-  std::vector<Pass> passes;
-  for (int first = 0; first < samples;) {
-    const int last = first == 0 ? 1 : first > samples / 4 ? samples : first * 4;
-    passes.push_back({first, std::min(last, samples)});
-    first = last;
-  }
-  return passes;
+std::vector<std::uint32_t> RenderSession::pass_ends(std::uint32_t samples, bool adaptive) {
+  std::vector<std::uint32_t> ends;
+  for (std::uint32_t end = 1; end < samples; end *= adaptive && end >= noise::first_decision ? 2 : 4)
+    ends.push_back(end);
+  ends.push_back(samples);
+  return ends;
+}
+
+void RenderSession::resume(Film film, AdaptiveState adaptive) {
+  CHECK(film.window() == film_.window() && film.aovs() == film_.aovs(), "a film of other pixels or AOVs");
+  film_ = std::move(film);
+  adaptive_ = std::move(adaptive);
 }
 
 SessionResult RenderSession::render() {
   CHECK(started_s_ == 0, "render() is called once");
   started_s_ = last_report_s_ = process_age_s();
+  samples_before_ = film_.total_samples();
+  samples_done_ = samples_before_;
+  samples_total_ = samples_to_take();
   std::vector<RayCounts> rays(std::size_t(threads_), RayCounts{});
-  for (const Pass& pass : passes_) {
-    if (stopped()) break;
+  for (const std::uint32_t end : pass_ends_) {
+    if (ended()) break;
     ++pass_number_;
-    run_pass(pass, rays);
+    run_pass(end, rays);
+    while (pausing_.exchange(false)) {
+      options_.snapshot();
+      if (!ended()) run_pass(end, rays);
+    }
+    if (!ended()) choose_finished(end);
   }
   SessionResult result;
-  result.cancelled = stopped();
   for (const RayCounts& r : rays) result.rays += r;
   result.samples = film_.total_samples();
   result.render_s = process_age_s() - started_s_;
   if (first_pixel_s_ >= 0) result.first_pixel_s = first_pixel_s_;
+  if (result.samples < samples_total_) result.end = cancelled() ? RenderEnd::Cancelled : RenderEnd::TimeLimit;
   send_progress(process_age_s());
   return result;
 }
 
-void RenderSession::run_pass(const Pass& pass, std::vector<RayCounts>& rays) {
+void RenderSession::run_pass(std::uint32_t end, std::vector<RayCounts>& rays) {
   next_tile_ = 0;
   run_threads(threads_, [&](int thread) {
-    Worker worker{thread, pass, scene_.sampler->clone(), {}};
+    Worker worker{thread, end, scene_.sampler->clone(), {}};
     try {
       for (std::size_t i = next_tile_++; i < tiles_.size() && !stopped(); i = next_tile_++)
         render_tile(worker, tiles_[i]);
@@ -85,48 +120,93 @@ void RenderSession::render_tile(Worker& worker, const PixelWindow& tile) {
   for (int y = tile.y0; y < tile.y1; ++y)
     for (int x = tile.x0; x < tile.x1; ++x) {
       if (stopped()) return;
-      render_pixel(worker, x, y);
-      if (worker.thread == 0) report_progress();
+      if (!is_finished(x, y)) render_pixel(worker, x, y);
+      if (worker.thread == 0) look_around();
     }
 }
 
 void RenderSession::render_pixel(Worker& worker, int x, int y) {
-  int sample = worker.pass.first_sample;
-  for (; sample < worker.pass.last_sample && !stopped(); ++sample) take_sample(worker, x, y, sample);
-  const std::uint64_t taken = std::uint64_t(sample - worker.pass.first_sample);
-  if (taken > 0 && samples_done_.fetch_add(taken, std::memory_order_relaxed) == 0) first_pixel_s_ = process_age_s();
+  const std::uint32_t first = film_.samples(x, y);
+  std::uint32_t sample = first;
+  for (; sample < worker.pass_end && !stopped(); ++sample) take_sample(worker, x, y, options_.first_sample + sample);
+  if (sample == first) return;
+  if (samples_done_.fetch_add(sample - first, std::memory_order_relaxed) == samples_before_)
+    first_pixel_s_ = process_age_s();
 }
 
-void RenderSession::take_sample(Worker& worker, int x, int y, int sample) {
+void RenderSession::take_sample(Worker& worker, int x, int y, std::uint32_t sample) {
   const RenderSettings& settings = scene_.settings;
   Sampler& sampler = *worker.sampler;
-  sampler.start(x, y, sample, settings.seed);
+  sampler.start(x, y, int(sample), settings.seed);
   // Choose where in the filter's support the ray passes, and where on the lens
   const FilterSample at = filter_.sample(sampler.next_2d());
   const CameraSample camera_sample{Vec2f{float(x) + 0.5f, float(y) + 0.5f} + at.offset, sampler.next_2d()};
   const Ray ray = scene_.camera->ray(camera_sample, settings.width, settings.height);
+  FilmSample result{.weight = at.weight < 0 ? -1 : 1, .number = sample};
   const std::uint64_t escaped_before = worker.rays.escaped;
-  const Spectrum radiance = scene_.integrator->radiance(ray, scene_, sampler, worker.rays);
-  film_.add(x, y, radiance, worker.rays.escaped == escaped_before, at.weight);
+  FirstSurface first;
+  if (film_.wants_first_surface()) result.first = &first;
+  if (film_.wants_costs())
+    measure_sample(worker, ray, first, result);
+  else
+    result.radiance = scene_.integrator->radiance(ray, scene_, sampler, worker.rays, result.first ? &first : nullptr);
+  result.covered = worker.rays.escaped == escaped_before;
+  if (first.hit.valid()) result.depth = dot(first.hit.position - view_axis_.origin, view_axis_.direction);
+  film_.add(x, y, result);
   scene_.intersector->quiescent();
 }
 
-void RenderSession::report_progress() {
+void RenderSession::measure_sample(Worker& worker, const Ray& ray, FirstSurface& first, FilmSample& sample) {
+  const auto started = std::chrono::steady_clock::now();
+  const ThreadExpansions before = scene_.intersector->thread_expansions();
+  sample.radiance = scene_.integrator->radiance(ray, scene_, *worker.sampler, worker.rays, &first);
+  const ThreadExpansions after = scene_.intersector->thread_expansions();
+  sample.expansions = {after.expanded - before.expanded, after.reexpanded - before.reexpanded};
+  sample.nanoseconds = std::uint64_t(std::chrono::nanoseconds(std::chrono::steady_clock::now() - started).count());
+}
+
+void RenderSession::choose_finished(std::uint32_t end) {
+  if (scene_.settings.noise <= 0 || !noise::is_decision(end) || end <= adaptive_.decided_at) return;
+  noise::choose_finished(film_, end, scene_.settings.noise, adaptive_);
+  samples_total_ = samples_to_take();
+}
+
+bool RenderSession::is_finished(int x, int y) const {
+  const PixelWindow& w = film_.window();
+  return !adaptive_.finished.empty() &&
+         adaptive_.finished[std::size_t(y - w.y0) * std::size_t(w.width()) + std::size_t(x - w.x0)];
+}
+
+// That the film will hold as far as is known now.
+std::uint64_t RenderSession::samples_to_take() const {
+  const PixelWindow& w = film_.window();
+  const auto wanted = std::uint32_t(scene_.settings.samples);
+  std::uint64_t total = 0;
+  for (int y = w.y0; y < w.y1; ++y)
+    for (int x = w.x0; x < w.x1; ++x)
+      total += is_finished(x, y) ? film_.samples(x, y) : std::max(film_.samples(x, y), wanted);
+  return total;
+}
+
+void RenderSession::look_around() {
   const double now = process_age_s();
-  if (now - last_report_s_ >= report_interval_s) send_progress(now);
+  if (now - last_report_s_ < report_interval_s) return;
+  send_progress(now);
+  if (now - started_s_ >= options_.time_limit_s) out_of_time_ = true;
+  if (options_.snapshot_due && options_.snapshot_due()) pausing_ = true;
 }
 
 void RenderSession::send_progress(double now) {
   last_report_s_ = now;
   if (!options_.progress) return;
-  const std::uint64_t pixels = std::uint64_t(film_.window().width()) * std::uint64_t(film_.window().height());
-  options_.progress({samples_done_.load(std::memory_order_relaxed), pixels * std::uint64_t(scene_.settings.samples),
-                     pass_number_, int(passes_.size()), now - started_s_});
+  options_.progress({samples_done_.load(std::memory_order_relaxed), samples_total_, pass_number_,
+                     int(pass_ends_.size()), now - started_s_, samples_before_});
 }
 
+bool RenderSession::cancelled() const { return options_.cancel && options_.cancel->load(std::memory_order_relaxed); }
+
 bool RenderSession::stopped() const {
-  return failed_.load(std::memory_order_relaxed) ||
-         (options_.cancel && options_.cancel->load(std::memory_order_relaxed));
+  return failed_.load(std::memory_order_relaxed) || pausing_.load(std::memory_order_relaxed) || ended();
 }
 
 }  // namespace meristem

@@ -2,20 +2,26 @@
 //
 // The samples of all pixels are taken in passes: sample 0 of every pixel, then samples 1 to 3, 4 to 15, and so on, each
 // pass up to the next power of four. So a whole image stands early, and the few passes cost a small geometry cache
-// little. Within a pass, threads take tiles along a Hilbert curve from a counter. The image has the same bits for any
-// number of threads and any size of tiles, since a pixel's samples are counted off by (pixel, sample, seed) and summed
-// in order.
+// little. Within a pass, threads take tiles along a Hilbert curve from a counter; a pixel goes on from the samples it
+// has. So a pass may end at any sample and begin anew, for a snapshot of the film in between or in another process. The
+// image has the same bits for any number of threads, any size of tiles and any interruptions, since a pixel's samples
+// are counted off by (pixel, sample, seed) and summed exactly.
 //
-// Owns the film, borrows the scene. Used by one thread; that thread renders too and calls the progress function.
+// With RenderSettings::noise, passes double from 16 samples on, and after each the pixels that are finished are chosen
+// (film/noise.h).
+//
+// Owns the film, borrows the scene. Used by one thread; that thread renders too and calls the functions of the options.
 #pragma once
 
 #include "renderer/film/film.h"
+#include "renderer/film/film_file.h"
 #include "renderer/film/filter_sampler.h"
 #include "renderer/scene/scene.h"
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -23,26 +29,36 @@ namespace meristem {
 
 struct RenderProgress {
   std::uint64_t samples_done = 0, samples_total = 0;
-  int pass = 0, passes = 0;  // from 1
-  double elapsed_s = 0;      // since render() began
+  int pass = 0, passes = 0;          // from 1
+  double elapsed_s = 0;              // since render() began
+  std::uint64_t samples_before = 0;  // of those done: taken before render() began, by the run that it carries on
 
   double fraction() const { return samples_total ? double(samples_done) / double(samples_total) : 0; }
+  // Nothing while it would be a guess.
+  std::optional<double> seconds_left() const;
 };
 
 struct SessionOptions {
-  int threads = 0;                                           // 0: default_thread_count()
-  int tile_side = 16;                                        // pixels
-  std::optional<PixelWindow> crop = {};                      // of the full frame; cut to it
-  const std::atomic<bool>* cancel = nullptr;                 // set it, and render() ends within a sample a thread
-  std::function<void(const RenderProgress&)> progress = {};  // called about ten times a second, and at the end
+  int threads = 0;                                                // 0: default_thread_count()
+  int tile_side = 16;                                             // pixels
+  std::optional<PixelWindow> crop = {};                           // of the full frame; cut to it
+  std::uint32_t first_sample = 0;                                 // RenderSettings::samples count from it
+  double time_limit_s = std::numeric_limits<double>::infinity();  // of render()
+  const std::atomic<bool>* cancel = nullptr;                      // set it, and render() ends within a sample a thread
+  std::function<void(const RenderProgress&)> progress = {};       // called about ten times a second, and at the end
+  std::function<bool()> snapshot_due = {};                        // asked as often
+  std::function<void()> snapshot = {};                            // called when it was due: no thread touches the film
 };
+
+// Why render() ended.
+enum class RenderEnd : std::uint8_t { Complete, TimeLimit, Cancelled };
 
 struct SessionResult {
   RayCounts rays;
-  std::uint64_t samples = 0;  // taken
+  std::uint64_t samples = 0;  // that the film holds
   double render_s = 0;
   std::optional<double> first_pixel_s;  // since the process began: when the first pixel had its first sample
-  bool cancelled = false;
+  RenderEnd end = RenderEnd::Complete;
 };
 
 class RenderSession {
@@ -50,43 +66,55 @@ class RenderSession {
   // The crop must meet the frame.
   RenderSession(const Scene& scene, SessionOptions options);
 
-  // Once. When cancelled, pixels have different numbers of samples; the film is a whole image once the first pass is
-  // done. Rethrows what an integrator throws.
+  // Goes on from a film of the same scene and options; before render().
+  void resume(Film film, AdaptiveState adaptive);
+
+  // Once. When it does not end complete, pixels have different numbers of samples; the film is a whole image once the
+  // first pass is done. Rethrows what an integrator throws.
   SessionResult render();
   const Film& film() const { return film_; }
+  const AdaptiveState& adaptive() const { return adaptive_; }
 
  private:
   struct Worker;
-  struct Pass {
-    int first_sample, last_sample;  // [first, last)
-  };
-  static std::vector<Pass> passes_for(int samples);
+  static std::vector<std::uint32_t> pass_ends(std::uint32_t samples, bool adaptive);
 
-  void run_pass(const Pass& pass, std::vector<RayCounts>& rays);
+  void run_pass(std::uint32_t end, std::vector<RayCounts>& rays);
   void render_tile(Worker& worker, const PixelWindow& tile);
   void render_pixel(Worker& worker, int x, int y);
-  void take_sample(Worker& worker, int x, int y, int sample);
-  void report_progress();  // if it is time
+  void take_sample(Worker& worker, int x, int y, std::uint32_t sample);
+  void measure_sample(Worker& worker, const Ray& ray, FirstSurface& first, FilmSample& sample);
+  void choose_finished(std::uint32_t end);
+  std::uint64_t samples_to_take() const;
+  bool is_finished(int x, int y) const;
+  void look_around();  // progress, time and snapshots, if it is time for them
   void send_progress(double now);
+  bool ended() const { return cancelled() || out_of_time_.load(std::memory_order_relaxed); }
+  bool cancelled() const;
   bool stopped() const;
 
   const Scene& scene_;
   SessionOptions options_;
   FilterSampler filter_;
   Film film_;
+  AdaptiveState adaptive_;
+  Ray view_axis_;  // depth is measured along it
   std::vector<PixelWindow> tiles_;
-  std::vector<Pass> passes_;
+  std::vector<std::uint32_t> pass_ends_;  // each the number of samples that a pixel has after it
   int threads_;
 
   // Of the calling thread.
   int pass_number_ = 0;
   double started_s_ = 0, last_report_s_ = 0;
+  std::uint64_t samples_before_ = 0, samples_total_ = 0;
 
   // Of all threads.
   std::atomic<std::size_t> next_tile_{0};
   std::atomic<std::uint64_t> samples_done_{0};
   std::atomic<double> first_pixel_s_{-1};
   std::atomic<bool> failed_{false};  // a worker threw: the others stop
+  std::atomic<bool> out_of_time_{false};
+  std::atomic<bool> pausing_{false};  // for a snapshot
 };
 
 }  // namespace meristem

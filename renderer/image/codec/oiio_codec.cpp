@@ -1,5 +1,7 @@
 // The codec of image_codec.h upon OpenImageIO: the one place that includes it.
+#include "renderer/image/codec/exr_encoder.h"
 #include "renderer/image/codec/memory_file.h"
+#include "renderer/image/codec/oiio_result.h"
 #include "renderer/image/codec/oiio_texture.h"
 #include "renderer/image/image_codec.h"
 
@@ -76,14 +78,6 @@ void check_limits(const OIIO::ImageSpec& spec, const std::string& path) {
         fmt::format("cannot read {}: {} MiB decoded; the limit is {} MiB", path, bytes >> 20, max_decoded_bytes >> 20));
 }
 
-// Some plug-ins report success and leave the reason in geterror() alone: it is asked whatever the calls returned.
-template <class File>
-void check_success(File& file, bool success, const char* what, const std::string& path) {
-  const std::string reason = file.geterror();
-  if (!success || !reason.empty())
-    throw FileError(fmt::format("cannot {} {}: {}", what, path, reason.empty() ? "unknown reason" : reason));
-}
-
 OIIO::TypeDesc file_type(ImageFormat format, const WriteOptions& options) {
   if (format == ImageFormat::Exr) return options.half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT;
   return options.bits == 16 && format != ImageFormat::Jpeg ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
@@ -139,15 +133,28 @@ std::unique_ptr<OIIO::ImageInput> open_checked(const std::string& path, OIIO::Im
   return in;
 }
 
+// Moves on to the part of that name.
+void seek_part(OIIO::ImageInput& in, const std::string& part, const std::string& path) {
+  for (int i = 0; in.seek_subimage(i, 0); ++i)
+    if (in.spec().get_string_attribute("oiio:subimagename") == part) return;
+  throw FileError(fmt::format("cannot read {}: it has no part \"{}\"", path, part));
+}
+
 class OiioCodec final : public ImageCodec {
  public:
-  Image read(const std::string& path) const override {
+  Image read(const std::string& path, const std::string& part) const override {
     OIIO::ImageSpec spec;
     const std::unique_ptr<OIIO::ImageInput> in = open_checked(path, spec);
+    if (!part.empty()) {
+      seek_part(*in, part, path);
+      spec = in->spec();
+      check_limits(spec, path);
+    }
     Image image{spec.width, spec.height, spec.nchannels, {}};
     image.pixels.resize(std::size_t(spec.width) * std::size_t(spec.height) * std::size_t(spec.nchannels));
-    check_success(*in, in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()), "read",
-                  path);
+    check_success(
+        *in, in->read_image(in->current_subimage(), 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()),
+        "read", path);
     return image;
   }
 
@@ -168,6 +175,11 @@ class OiioCodec final : public ImageCodec {
     out->set_ioproxy(&memory);
     run_encoder(*out, path, path, spec, image.pixels.data());
     return std::move(memory.buffer());
+  }
+
+  std::vector<unsigned char> encode_parts(const std::string& path, const std::vector<ExrPart>& parts,
+                                          const ExrFrame& frame, const Metadata& metadata) const override {
+    return encode_exr_parts(path, parts, frame, metadata);
   }
 
   std::unique_ptr<const Texture> open_texture(const std::string& path, const TextureOptions& options) const override {

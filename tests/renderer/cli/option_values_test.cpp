@@ -32,5 +32,31 @@ TEST(OptionValues, Crops) {
     EXPECT_THROW(parse_crop(text), UsageError) << text;
 }
 
+TEST(OptionValues, Durations) {
+  EXPECT_EQ(parse_duration("90"), 90);
+  EXPECT_EQ(parse_duration("90s"), 90);
+  EXPECT_EQ(parse_duration("5m"), 300);
+  EXPECT_EQ(parse_duration("1.5h"), 5400);
+  EXPECT_EQ(parse_duration("1h30m10s"), 5410);
+  EXPECT_EQ(parse_duration("0.25"), 0.25);
+  for (const char* text : {"", "m", "0", "-5m", "5 m", "5d", "1e99", "nan", "5m3x"})
+    EXPECT_THROW(parse_duration(text), UsageError) << text;
+}
+
+TEST(OptionValues, RangesOfSamples) {
+  EXPECT_EQ(parse_sample_range("0:64"), (SampleRange{0, 64}));
+  EXPECT_EQ(parse_sample_range("64:65"), (SampleRange{64, 65}));
+  for (const char* text : {"", "64", "64:64", "64:0", "-1:5", "0:64:128", "0-64", "0:2000000"})
+    EXPECT_THROW(parse_sample_range(text), UsageError) << text;
+}
+
+TEST(OptionValues, Frames) {
+  EXPECT_EQ(parse_frames("7"), (std::vector{7}));
+  EXPECT_EQ(parse_frames("3-5"), (std::vector{3, 4, 5}));
+  EXPECT_EQ(parse_frames("0-7x3"), (std::vector{0, 3, 6}));
+  for (const char* text : {"", "x", "5-3", "1-", "-1", "1-5x0", "1-5x", "1-5-9", "0-2147483647"})
+    EXPECT_THROW(parse_frames(text), UsageError) << text;
+}
+
 }  // namespace
 }  // namespace meristem

@@ -64,9 +64,9 @@ TEST(FilterSampler, StaysInsideTheRadiusAtBothEnds) {
 
 TEST(Film, MeansAreThoseOfTheSamples) {
   Film film({0, 0, 2, 1}, 1);
-  film.add(0, 0, {1, 2, 3}, true, 1);
-  film.add(0, 0, {3, 2, 1}, false, 1);
-  film.add(1, 0, {8, 8, 8}, true, 1);
+  film.add(0, 0, {.radiance = {1, 2, 3}, .covered = true, .weight = 1});
+  film.add(0, 0, {.radiance = {3, 2, 1}, .covered = false, .weight = 1});
+  film.add(1, 0, {.radiance = {8, 8, 8}, .covered = true, .weight = 1});
   EXPECT_EQ(film.develop().pixels, (std::vector<float>{2, 2, 2, 0.5f, 8, 8, 8, 1}));
   EXPECT_EQ(film.total_samples(), 3u);
 }
@@ -74,10 +74,10 @@ TEST(Film, MeansAreThoseOfTheSamples) {
 TEST(Film, NonFiniteSamplesAreDroppedAndCounted) {
   Film film({0, 0, 1, 1}, 1);
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-  film.add(0, 0, {1, 1, 1}, true, 1);
-  film.add(0, 0, {nan, 1, 1}, true, 1);
-  film.add(0, 0, {1, 1, inf}, true, 1);
-  film.add(0, 0, {3, 3, 3}, true, 1);
+  film.add(0, 0, {.radiance = {1, 1, 1}, .covered = true, .weight = 1});
+  film.add(0, 0, {.radiance = {nan, 1, 1}, .covered = true, .weight = 1});
+  film.add(0, 0, {.radiance = {1, 1, inf}, .covered = true, .weight = 1});
+  film.add(0, 0, {.radiance = {3, 3, 3}, .covered = true, .weight = 1});
   EXPECT_EQ(film.develop().pixels, (std::vector<float>{2, 2, 2, 1}));
   EXPECT_EQ(film.nonfinite_samples(), 2u);
   EXPECT_EQ(film.total_samples(), 4u);
@@ -85,20 +85,21 @@ TEST(Film, NonFiniteSamplesAreDroppedAndCounted) {
 
 TEST(Film, AConstantImageIsExactWithNegativeWeightsToo) {
   Film film({0, 0, 1, 1}, 0.7f);
-  for (float weight : {1.0f, 1.0f, -1.0f, 1.0f, 1.0f}) film.add(0, 0, {0.3f, 0.3f, 0.3f}, true, weight);
+  for (int weight : {1, 1, -1, 1, 1})
+    film.add(0, 0, {.radiance = {0.3f, 0.3f, 0.3f}, .covered = true, .weight = weight});
   EXPECT_FLOAT_EQ(film.develop().pixels[0], 0.3f);
 }
 
 TEST(Film, WeightsThatCancelDoNotBlowUp) {
   Film film({0, 0, 1, 1}, 0.7f);
-  film.add(0, 0, {1.0f, 1, 1}, true, 1);
-  film.add(0, 0, {0.5f, 1, 1}, true, -1);
+  film.add(0, 0, {.radiance = {1.0f, 1, 1}, .covered = true, .weight = 1});
+  film.add(0, 0, {.radiance = {0.5f, 1, 1}, .covered = true, .weight = -1});
   EXPECT_NEAR(film.develop().pixels[0], 0.5f / 0.7f, 1e-6f);
 }
 
 TEST(Film, AWindowLiesAnywhereInTheFrame) {
   Film film({100, 50, 103, 52}, 1);
-  film.add(102, 51, {1, 1, 1}, true, 1);
+  film.add(102, 51, {.radiance = {1, 1, 1}, .covered = true, .weight = 1});
   const Image image = film.develop();
   EXPECT_EQ(image.width, 3);
   EXPECT_EQ(image.height, 2);

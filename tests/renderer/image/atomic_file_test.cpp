@@ -32,6 +32,17 @@ TEST(AtomicFile, WithoutCommitTheOldFileStays) {
   EXPECT_EQ(folder.files(), 1u);
 }
 
+TEST(AtomicFile, NothingIsSeenBeforeItIsWhole) {
+  const ScratchFolder folder;
+  AtomicFile file(folder / "a.txt");
+  file.append("half");
+  EXPECT_FALSE(fs::exists(folder / "a.txt"));
+  file.append(" and half");
+  file.commit();
+  EXPECT_EQ(read_text(folder / "a.txt"), "half and half");
+  EXPECT_EQ(folder.files(), 1u);
+}
+
 TEST(AtomicFile, KeepsPermissionsAndFollowsLinks) {
   const ScratchFolder folder;
   write_file(folder / "real.txt", "old");

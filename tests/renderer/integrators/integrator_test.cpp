@@ -112,7 +112,7 @@ struct Transport : testing::Test {
     scene.prepare();
     for (int i = 0; i < samples; ++i) {
       scene.sampler->start(0, 0, i, 1);
-      const Spectrum value = scene.integrator->radiance(ray, scene, *scene.sampler, counts);
+      const Spectrum value = scene.integrator->radiance(ray, scene, *scene.sampler, counts, nullptr);
       EXPECT_TRUE(is_finite(value));
       sum += Vec3d(value);
     }

@@ -39,7 +39,7 @@ Mean radiance_of_floor(const Scene& scene, int samples) {
   RayCounts counts;
   for (int i = 0; i < samples; ++i) {
     scene.sampler->start(0, 0, i, 7);
-    const double value = double(scene.integrator->radiance(ray, scene, *scene.sampler, counts).x);
+    const double value = double(scene.integrator->radiance(ray, scene, *scene.sampler, counts, nullptr).x);
     mean.value += value / samples;
     mean.variance += value * value / samples;
   }
@@ -84,7 +84,7 @@ TEST(GlowingObjects, AreSeenAsTheyGlow) {
   ray.direction = {0, 1, 0};
   RayCounts counts;
   loaded.scene->sampler->start(0, 0, 0, 0);
-  EXPECT_EQ(loaded.scene->integrator->radiance(ray, *loaded.scene, *loaded.scene->sampler, counts).x, 10);
+  EXPECT_EQ(loaded.scene->integrator->radiance(ray, *loaded.scene, *loaded.scene->sampler, counts, nullptr).x, 10);
 }
 
 }  // namespace

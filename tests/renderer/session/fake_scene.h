@@ -50,9 +50,12 @@ class EmptyWorld : public Intersector {
 class FunctionIntegrator : public Integrator {
  public:
   using Function = std::function<Spectrum(const Ray&, Sampler&, RayCounts&)>;
+  std::function<void(const Ray&, FirstSurface&)> first_surface = {};  // what the ray shows
   explicit FunctionIntegrator(Function function) : function_(std::move(function)) {}
-  Spectrum radiance(const Ray& ray, const Scene&, Sampler& sampler, RayCounts& counts) const override {
+  Spectrum radiance(const Ray& ray, const Scene&, Sampler& sampler, RayCounts& counts,
+                    FirstSurface* first) const override {
     ++counts.camera;
+    if (first && first_surface) first_surface(ray, *first);
     return function_(ray, sampler, counts);
   }
 

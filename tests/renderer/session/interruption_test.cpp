@@ -19,6 +19,18 @@ TEST(Interruption, ASignalAsksToStopAndSaysWhich) {
   }
 }
 
+TEST(Interruption, OthersAskForASnapshotOnce) {
+  const Interruption interruption;
+  EXPECT_FALSE(interruption.take_snapshot_request());
+  for (int number : {SIGHUP, SIGUSR1}) {
+    std::raise(number);
+    EXPECT_TRUE(interruption.take_snapshot_request());
+    EXPECT_FALSE(interruption.take_snapshot_request());
+  }
+  std::raise(SIGPIPE);
+  EXPECT_FALSE(interruption.requested());
+}
+
 // Death tests run in a process started anew: other tests of this program leave threads behind.
 class InterruptionDeathTest : public testing::Test {
  protected:

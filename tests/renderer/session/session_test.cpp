@@ -1,9 +1,12 @@
 #include "renderer/session/session.h"
 
+#include "renderer/film/film_parts.h"
+#include "renderer/film/noise.h"
 #include "tests/renderer/session/fake_scene.h"
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <set>
 #include <thread>
@@ -33,7 +36,7 @@ TEST(RenderSession, TheImageHasTheSameBitsForAnyThreadsAndTiles) {
       EXPECT_EQ(result.rays.camera, 67u * 41 * 21);
       EXPECT_EQ(result.rays.shadow, 67u * 41 * 21);
       EXPECT_EQ(result.samples, 67u * 41 * 21);
-      EXPECT_FALSE(result.cancelled);
+      EXPECT_EQ(result.end, RenderEnd::Complete);
     }
 }
 
@@ -96,7 +99,7 @@ TEST(RenderSession, CancellingAfterTheFirstPassKeepsAWholeImage) {
   });
   RenderSession session(*scene, {.threads = 2, .cancel = &cancel});
   const SessionResult result = session.render();
-  EXPECT_TRUE(result.cancelled);
+  EXPECT_EQ(result.end, RenderEnd::Cancelled);
   EXPECT_LE(result.samples, 502u);
   EXPECT_EQ(session.film().pixels_without_samples(), 0u);
   for (float value : session.film().develop().pixels) EXPECT_TRUE(value == 0.75f || value == 1.0f);
@@ -107,7 +110,7 @@ TEST(RenderSession, CancelledBeforeItBeginsItTakesNothing) {
   const auto scene = fake_scene(4, 4, 4, noisy_light);
   RenderSession session(*scene, {.threads = 2, .cancel = &cancel});
   const SessionResult result = session.render();
-  EXPECT_TRUE(result.cancelled);
+  EXPECT_EQ(result.end, RenderEnd::Cancelled);
   EXPECT_EQ(result.samples, 0u);
   EXPECT_FALSE(result.first_pixel_s);
 }
@@ -149,6 +152,153 @@ TEST(RenderSession, ProgressEndsAtAllSamplesAndComesFromTheCaller) {
   EXPECT_EQ(callers, std::set<std::thread::id>{std::this_thread::get_id()});
   ASSERT_TRUE(result.first_pixel_s);
   EXPECT_GT(*result.first_pixel_s, 0);
+}
+
+std::unique_ptr<Scene> scene_with_surfaces(int samples) {
+  auto scene = fake_scene(23, 17, samples, noisy_light);
+  dynamic_cast<FunctionIntegrator&>(*scene->integrator).first_surface = [](const Ray& ray, FirstSurface& first) {
+    first.hit.t = 1;
+    first.hit.position = {ray.origin.x, ray.origin.y, 5 + ray.origin.x};
+    first.hit.shading_normal = {0, 0, -1};
+    first.hit.object = int(ray.origin.y) % 3;
+    first.albedo = {ray.origin.x / 30, 0.5f, 0};
+    first.material = 0;
+  };
+  scene->names = {{"a", "b", "c"}, {"default"}, {}};
+  scene->settings.aovs = parse_aovs("albedo,normal,Z,P,uv,id.object,samples,variance,crypto_object");
+  return scene;
+}
+
+void expect_same_bits(const Film& a, const Film& b, const SceneNames& names) {
+  const auto x = film_parts(a, names, false), y = film_parts(b, names, false);
+  ASSERT_EQ(x.size(), y.size());
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_TRUE(x[i].image.pixels == y[i].image.pixels) << x[i].name;
+}
+
+// Interrupts a render after so many samples, and returns its film.
+std::pair<Film, AdaptiveState> interrupted_film(const Scene& scene, std::uint64_t after) {
+  std::atomic<bool> cancel{false};
+  SessionOptions options{.threads = 2, .cancel = &cancel};
+  auto& integrator = dynamic_cast<FunctionIntegrator&>(*scene.integrator);
+  std::atomic<std::uint64_t> taken{0};
+  const auto before = integrator.first_surface;
+  integrator.first_surface = [&](const Ray& ray, FirstSurface& first) {
+    if (++taken >= after) cancel = true;
+    before(ray, first);
+  };
+  RenderSession session(scene, options);
+  EXPECT_EQ(session.render().end, RenderEnd::Cancelled);
+  integrator.first_surface = before;
+  return {session.film(), session.adaptive()};
+}
+
+TEST(RenderSession, GoingOnGivesTheBitsOfAnUnbrokenRender) {
+  for (const double noise : {0.0, 0.4}) {
+    const auto scene = scene_with_surfaces(70);
+    scene->settings.noise = noise;
+    RenderSession whole(*scene, {.threads = 2});
+    whole.render();
+    for (const std::uint64_t after : {3u, 391u, 400u, 5000u}) {
+      auto [film, adaptive] = interrupted_film(*scene, after);
+      RenderSession rest(*scene, {.threads = 3, .tile_side = 5});
+      rest.resume(std::move(film), std::move(adaptive));
+      EXPECT_EQ(rest.render().end, RenderEnd::Complete);
+      expect_same_bits(rest.film(), whole.film(), scene->names);
+      EXPECT_EQ(rest.film().total_samples(), whole.film().total_samples());
+    }
+  }
+}
+
+TEST(RenderSession, MoreSamplesGoOnFromACompleteFilm) {
+  for (const double noise : {0.0, 0.4}) {
+    const auto few = scene_with_surfaces(32), many = scene_with_surfaces(100);
+    few->settings.noise = many->settings.noise = noise;
+    RenderSession first(*few, {.threads = 2}), second(*many, {.threads = 2}), whole(*many, {.threads = 2});
+    first.render();
+    second.resume(first.film(), first.adaptive());
+    second.render();
+    whole.render();
+    expect_same_bits(second.film(), whole.film(), few->names);
+  }
+}
+
+TEST(RenderSession, RangesOfSamplesAddUpToTheWhole) {
+  const auto scene = scene_with_surfaces(50);
+  RenderSession whole(*scene, {.threads = 2});
+  whole.render();
+  Film sum({0, 0, 23, 17}, 1, scene->settings.aovs);
+  for (const auto& [first, count] : {std::pair{30u, 20}, {0u, 7}, {7u, 23}}) {
+    scene->settings.samples = count;
+    RenderSession part(*scene, {.threads = 2, .first_sample = first});
+    part.render();
+    sum.merge(part.film());
+  }
+  expect_same_bits(sum, whole.film(), scene->names);
+}
+
+TEST(RenderSession, SnapshotsSeeTheFilmAtRestAndChangeNothing) {
+  const auto scene = scene_with_surfaces(64);
+  RenderSession whole(*scene, {.threads = 2});
+  whole.render();
+  int snapshots = 0;
+  std::uint64_t seen = 0;
+  SessionOptions options{.threads = 2};
+  RenderSession* session = nullptr;
+  options.snapshot_due = [] { return true; };
+  options.snapshot = [&] {
+    ++snapshots;
+    const std::uint64_t samples = session->film().total_samples();
+    EXPECT_GE(samples, seen);
+    EXPECT_EQ(session->film().total_samples(), samples);
+    seen = samples;
+  };
+  // Slow enough for several reports of progress
+  auto& surface = dynamic_cast<FunctionIntegrator&>(*scene->integrator).first_surface;
+  surface = [fill = surface](const Ray& ray, FirstSurface& first) {
+    std::this_thread::sleep_for(std::chrono::microseconds(20));
+    fill(ray, first);
+  };
+  RenderSession observed(*scene, options);
+  session = &observed;
+  EXPECT_EQ(observed.render().end, RenderEnd::Complete);
+  EXPECT_GT(snapshots, 0);
+  expect_same_bits(observed.film(), whole.film(), scene->names);
+}
+
+TEST(RenderSession, TheTimeLimitEndsIt) {
+  const auto scene = fake_scene(20, 20, 1 << 20, [](const Ray&, Sampler&, RayCounts&) { return Spectrum(1); });
+  RenderSession session(*scene, {.threads = 2, .time_limit_s = 0.2});
+  const SessionResult result = session.render();
+  EXPECT_EQ(result.end, RenderEnd::TimeLimit);
+  EXPECT_GT(result.samples, 0u);
+  EXPECT_EQ(session.film().pixels_without_samples(), 0u);
+}
+
+TEST(RenderSession, QuietPixelsTakeFewerSamples) {
+  // Noise to the left, a constant to the right
+  const auto scene = fake_scene(40, 20, 256, [](const Ray& ray, Sampler& sampler, RayCounts&) {
+    return Spectrum(ray.origin.x < 20 ? 4 * sampler.next_1d() : 1.f);
+  });
+  scene->settings.noise = 0.06;
+  RenderSession session(*scene, {.threads = 2});
+  EXPECT_EQ(session.render().end, RenderEnd::Complete);
+  EXPECT_EQ(session.film().samples(35, 10), noise::first_decision);
+  // Variance 4/3, mean 2: (4/3 / 2) / 0.06^2 = 185
+  EXPECT_EQ(session.film().samples(5, 10), 256u);
+  EXPECT_EQ(session.film().aovs(), std::vector{Aov::Variance});
+}
+
+TEST(RenderSession, AovsAreThoseOfTheFirstSurface) {
+  const auto scene = scene_with_surfaces(16);
+  RenderSession session(*scene, {.threads = 2});
+  session.render();
+  const Image z = session.film().develop(Aov::Z), normal = session.film().develop(Aov::Normal);
+  for (int x = 0; x < 23; ++x) {
+    const float depth = z.pixels[std::size_t(x)];
+    EXPECT_GE(depth, 5 + float(x));  // the nearest of 16 samples between 5 + x and 6 + x
+    EXPECT_LT(depth, 5.5f + float(x));
+    EXPECT_EQ(normal.pixels[std::size_t(3 * x) + 2], -1);
+  }
 }
 
 }  // namespace

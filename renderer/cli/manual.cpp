@@ -1,0 +1,141 @@
+#include "renderer/cli/manual.h"
+
+#include "renderer/report/version.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace meristem {
+
+namespace {
+
+constexpr std::size_t help_columns = 28;
+
+// Without the ranges that CLI11 adds: "FLOAT:FLOAT in [0 - 1]" is "FLOAT".
+std::string type_of(const CLI::Option& option) {
+  if (option.get_type_size() == 0) return "";
+  const std::string type = option.get_type_name();
+  std::size_t end = type.size();
+  for (const char* range : {":INT in", ":FLOAT in", ":UINT in", ":{"}) end = std::min(end, type.find(range));
+  return type.substr(0, end);
+}
+
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() { column_width(help_columns); }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    const std::string type = type_of(*option);
+    return option->get_positional() || type.empty() ? "" : " " + type;
+  }
+  // One blank line between groups, not two.
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    return CLI::detail::find_and_replace(CLI::Formatter::make_help(app, name, mode), "\n\n\n", "\n\n");
+  }
+};
+
+std::vector<const CLI::Option*> options_of(const CLI::App& app) {
+  return app.get_options([](const CLI::Option* o) { return o->nonpositional() && !o->get_group().empty(); });
+}
+
+// Text of a manual page: backslashes, hyphens that are typed, and dots at the beginning of lines mean something to
+// roff.
+std::string roff(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '\\')
+      result += "\\e";
+    else if (c == '-')
+      result += "\\-";
+    else if ((c == '.' || c == '\'') && (result.empty() || result.back() == '\n'))
+      result += fmt::format("\\&{}", c);
+    else
+      result += c;
+  }
+  return result;
+}
+
+std::string option_entry(const CLI::Option& option) {
+  std::vector<std::string> names;
+  for (const std::string& name : option.get_snames()) names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+  const std::string type = type_of(option);
+  return fmt::format(".TP\n.BR \"{}\"{}\n{}\n", roff(fmt::format("{}", fmt::join(names, ", "))),
+                     type.empty() ? "" : fmt::format(" \" {}\"", roff(type)), roff(option.get_description()));
+}
+
+std::string command_section(const CLI::App& command) {
+  std::string usage = command.get_name();
+  for (const CLI::Option* o : command.get_options([](const CLI::Option* p) { return p->get_positional(); }))
+    usage += o->get_required() ? " " + o->get_name(true) : fmt::format(" [{}]", o->get_name(true));
+  std::string text = fmt::format(".SS {}\n{}.\n", roff("meristem " + usage), roff(command.get_description()));
+  for (const CLI::Option* option : options_of(command)) text += option_entry(*option);
+  return text;
+}
+
+// Values that can be completed: "lazy|eager|flat".
+std::vector<std::string> choices_of(const CLI::Option& option) {
+  const std::string type = type_of(option);
+  return type.find('|') == std::string::npos ? std::vector<std::string>{} : CLI::detail::split(type, '|');
+}
+
+std::string option_words(const CLI::App& app) {
+  std::string words;
+  for (const CLI::Option* option : options_of(app))
+    for (const std::string& name : option->get_lnames()) words += (words.empty() ? "--" : " --") + name;
+  return words;
+}
+
+}  // namespace
+
+std::shared_ptr<CLI::FormatterBase> help_formatter() { return std::make_shared<HelpFormatter>(); }
+
+std::string manual_page(const CLI::App& app) {
+  std::string text = fmt::format(".TH MERISTEM 1 \"\" \"meristem {}\" \"User Commands\"\n", version);
+  text += fmt::format(".SH NAME\nmeristem \\- {}\n",
+                      roff(app.get_description().substr(app.get_description().find(' ') + 1)));
+  text += ".SH SYNOPSIS\n.B meristem\n.I COMMAND\n[\\fIOPTIONS\\fR]\n.SH COMMANDS\n";
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    text += command_section(*command);
+  text += fmt::format(".SH EXIT STATUS\n{}\n", roff(app.get_footer()));
+  text +=
+      ".SH SIGNALS\nINT, TERM: stop; the images so far and a film to go on from are written. "
+      "A second INT within two seconds ends at once.\n.br\nHUP, USR1: write images and film, and go on.\n";
+  text += ".SH ENVIRONMENT\n.TP\n.B OCIO\nan OpenColorIO configuration in place of the built\\-in one\n";
+  return text;
+}
+
+std::string bash_completion(const CLI::App& app) {
+  std::string commands, options, values;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    commands += (commands.empty() ? "" : " ") + command->get_name();
+    options += fmt::format("    {}) words=\"{}\" ;;\n", command->get_name(), option_words(*command));
+    for (const CLI::Option* option : options_of(*command))
+      if (const auto choices = choices_of(*option); !choices.empty()) {
+        const std::string entry =
+            fmt::format("    --{}) words=\"{}\" ;;\n", option->get_lnames()[0], fmt::join(choices, " "));
+        if (values.find(entry) == std::string::npos) values += entry;
+      }
+  }
+  return fmt::format(R"(# bash completion for meristem, made by `meristem completion`
+_meristem() {{
+  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} words=
+  case $before in
+{}  esac
+  if [[ -z $words && $COMP_CWORD == 1 ]]; then
+    words="{}"
+  elif [[ -z $words && $word == -* ]]; then
+    case ${{COMP_WORDS[1]}} in
+{}    esac
+  fi
+  COMPREPLY=($(compgen -W "$words" -- "$word"))
+  [[ -n $words ]] || COMPREPLY=($(compgen -f -- "$word"))
+}}
+complete -o filenames -F _meristem meristem
+)",
+                     values, commands, options);
+}
+
+}  // namespace meristem

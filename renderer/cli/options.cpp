@@ -1,0 +1,181 @@
+#include "renderer/cli/options.h"
+
+#include "renderer/cli/option_values.h"
+
+#include <map>
+
+namespace meristem {
+
+namespace {
+
+constexpr const char* scene_group = "Scene";
+constexpr const char* output_group = "Output";
+constexpr const char* long_group = "Long renders";
+constexpr const char* report_group = "Reports";
+
+// An option whose text `parse` turns into a value; what it throws becomes a usage error of that option.
+template <class Parse>
+CLI::Option* add_parsed(CLI::App& app, const std::string& name, const std::string& type, const std::string& doc,
+                        Parse parse) {
+  return app
+      .add_option_function<std::string>(
+          name,
+          [name, parse](const std::string& text) {
+            try {
+              parse(text);
+            } catch (const std::exception& error) {
+              throw CLI::ValidationError(name, error.what());
+            }
+          },
+          doc)
+      ->type_name(type)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+// A check by a function that throws what is wrong.
+template <class Check>
+CLI::Validator checked_by(Check check) {
+  return CLI::Validator(
+      [check](const std::string& text) {
+        try {
+          check(text);
+          return std::string();
+        } catch (const std::exception& error) {
+          return std::string(error.what());
+        }
+      },
+      "");
+}
+
+// May stand several times, each with one value.
+CLI::Option* repeatable(CLI::Option* option) { return option->take_all()->expected(1)->allow_extra_args(false); }
+
+void add_expand_option(CLI::App& app, RenderOptions& o) {
+  static const std::map<std::string, ExpandMode> modes{
+      {"lazy", ExpandMode::Lazy}, {"eager", ExpandMode::Eager}, {"flat", ExpandMode::Flat}};
+  app.add_option("--expand", o.load.expand, "where rays hit; all cells first; without cells")
+      ->transform(CLI::CheckedTransformer(modes).description(""))
+      ->type_name("lazy|eager|flat")
+      ->group(report_group);
+}
+
+void add_aov_option(CLI::App& app, RenderOptions& o) {
+  repeatable(app.add_option_function<std::vector<std::string>>(
+                 "--aov",
+                 [&o](const std::vector<std::string>& lists) {
+                   for (const std::string& list : lists) {
+                     const std::vector<Aov> more = parse_aovs(list);
+                     o.load.aovs.insert(o.load.aovs.end(), more.begin(), more.end());
+                   }
+                 },
+                 "parts of EXR files: albedo,normal,Z,... or all"))
+      ->check(checked_by([](const std::string& list) { parse_aovs(list); }))
+      ->type_name("NAMES")
+      ->group(output_group);
+}
+
+void add_long_options(CLI::App& app, RenderOptions& o) {
+  add_parsed(app, "--time-limit", "TIME", "stop after 90s, 10m, 2h; --resume goes on", [&o](const std::string& t) {
+    o.time_limit_s = parse_duration(t);
+  })->group(long_group);
+  add_parsed(app, "--checkpoint", "TIME", "write the images so far, and the film, so often",
+             [&o](const std::string& t) { o.checkpoint_s = parse_duration(t); })
+      ->group(long_group);
+  app.add_flag("--resume", o.resume, "go on from the film of a render that was stopped")->group(long_group);
+  add_parsed(app, "--sample-range", "FIRST:END", "these samples alone; to be merged",
+             [&o](const std::string& t) { o.sample_range = parse_sample_range(t); })
+      ->excludes(app.get_option("--samples"))
+      ->excludes(app.get_option("--noise"))
+      ->group(long_group);
+  add_parsed(app, "--frames", "1-48", "an image each; #### in file names is the number", [&o](const std::string& t) {
+    o.frames = parse_frames(t);
+  })->group(long_group);
+}
+
+void add_report_options(CLI::App& app, RenderOptions& o) {
+  app.add_option("--stats", o.statistics, "the figures of the render as JSON")->type_name("FILE")->group(report_group);
+  using Style = ProgressDisplay::Style;
+  static const std::map<std::string, Style> styles{
+      {"bar", Style::Bar}, {"lines", Style::Lines}, {"json", Style::Json}, {"none", Style::None}};
+  app.add_option("--progress", o.progress, "bar, lines, none; json: to standard output")
+      ->transform(CLI::CheckedTransformer(styles).description(""))
+      ->type_name("STYLE")
+      ->group(report_group);
+  CLI::Option* quiet = app.add_flag("-q,--quiet", o.quiet, "say nothing but errors")->group(report_group);
+  app.add_flag("-v,--verbose", o.verbose, "more figures at the end")->excludes(quiet)->group(report_group);
+}
+
+}  // namespace
+
+void add_scene_argument(CLI::App& app, std::string& scene) {
+  app.add_option("SCENE", scene, "scene file; - for standard input")->required();
+}
+
+void add_scene_options(CLI::App& app, RenderOptions& o) {
+  const auto add = [&](CLI::Option* option, const char* type) { option->type_name(type)->group(scene_group); };
+  const auto size = [&o](const std::string& text) {
+    const auto [width, height] = parse_size(text);
+    o.load.width = width;
+    o.load.height = height;
+  };
+  add(app.add_option("--samples", o.load.samples, "samples a pixel")->check(CLI::Range(1, 1 << 20)), "N");
+  add(app.add_option("--noise", o.load.noise, "quieter pixels stop: 0.01 clean, 0.05 grainy")
+          ->check(CLI::Range(0.0, 1.0)),
+      "LIMIT");
+  add(add_parsed(app, "--size", "WxH", "image size in pixels", size), "WxH");
+  add(add_parsed(app, "--crop", "", "render this part alone, in pixels",
+                 [&o](const std::string& t) { o.crop = parse_crop(t); }),
+      "X0,Y0,X1,Y1");
+  add(app.add_option("--camera", o.load.camera, "one of the scene's cameras"), "NAME");
+  add(app.add_option("--detail", o.load.detail, "wanted size of faces in pixels; 0: everything")
+          ->check(CLI::Range(0.0, 1024.0)),
+      "PX");
+  add(app.add_option("--seed", o.load.seed, "of all random numbers"), "N");
+  add(app.add_option("--max-depth", o.load.max_depth, "bounces of a path")->check(CLI::Range(0, 1024)), "N");
+  add(repeatable(app.add_option("--set", o.load.set, "override a value: /camera/fov=35; repeatable")), "/PATH=VALUE");
+  add(app.add_option("--threads", o.load.threads, "0: all processors")->check(CLI::Range(0, 1024)), "N");
+  add(add_parsed(app, "--budget", "", "memory of the geometry cache: 512M, 2G",
+                 [&o](const std::string& t) { o.load.budget_bytes = parse_memory(t); }),
+      "BYTES");
+}
+
+std::vector<std::string> given_scene_options(const CLI::App& app) {
+  std::vector<std::string> given;
+  for (const CLI::Option* option :
+       app.get_options([](const CLI::Option* o) { return o->get_group() == scene_group && o->count() > 0; }))
+    for (const std::string& value : option->results()) {
+      given.push_back(option->get_name());
+      given.push_back(value);
+    }
+  return given;
+}
+
+void add_output_options(CLI::App& app, OutputOptions& o) {
+  const auto grouped = [](CLI::Option* option) { return option->group(output_group); };
+  grouped(repeatable(app.add_option("-o,--output", o.files, "exr, png, jpg, tif or film, by extension; repeatable")))
+      ->check(checked_by(check_extension))
+      ->type_name("FILE");
+  grouped(app.add_option("--view", o.view, "of display images: \"ACES SDR\", sRGB, Raw"))->type_name("NAME");
+  grouped(app.add_option("--display", o.display, "of display images: sRGB, Rec.1886, P3-D65"))->type_name("NAME");
+  grouped(app.add_option("--exposure", o.exposure, "of display images")->check(CLI::Range(-100.0, 100.0)))
+      ->type_name("STOPS");
+  grouped(app.add_option("--bits", o.bits, "a channel in PNG and TIFF")->check(CLI::IsMember({8, 16})))
+      ->type_name("8|16");
+  CLI::Option* half = grouped(app.add_flag_callback(
+      "--half", [&o] { o.half = true; }, "the picture in EXR as 16-bit floats: the default"));
+  half->group("");  // it says what is so anyway: not listed
+  grouped(app.add_flag_callback(
+              "--float", [&o] { o.half = false; }, "the picture in EXR as 32-bit floats"))
+      ->excludes(half);
+}
+
+void place_help_option(CLI::App& app) { app.get_help_ptr()->group(report_group); }
+
+void add_render_options(CLI::App& app, RenderOptions& o) {
+  add_aov_option(app, o);
+  add_long_options(app, o);
+  add_expand_option(app, o);
+  add_report_options(app, o);
+}
+
+}  // namespace meristem

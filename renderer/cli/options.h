@@ -1,0 +1,30 @@
+// The options of the commands: the one place where each has its name, type and meaning. What is parsed, --help, the
+// manual page and the completion of shells all come from here.
+#pragma once
+
+#include "renderer/cli/render_command.h"
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+namespace meristem {
+
+void add_scene_argument(CLI::App& app, std::string& scene);
+
+// What is rendered: of every command that renders.
+void add_scene_options(CLI::App& app, RenderOptions& o);
+// Those of them that the user gave, to hand on to a child.
+std::vector<std::string> given_scene_options(const CLI::App& app);
+
+// What is written, and how: of every command that writes images.
+void add_output_options(CLI::App& app, OutputOptions& o);
+
+// Puts -h among the others, so that the list fits a screen.
+void place_help_option(CLI::App& app);
+
+// What only `render` has: AOVs, ways of expanding, limits, checkpoints, parts, reports. After the two above.
+void add_render_options(CLI::App& app, RenderOptions& o);
+
+}  // namespace meristem

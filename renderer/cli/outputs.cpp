@@ -1,0 +1,67 @@
+#include "renderer/cli/outputs.h"
+
+#include "renderer/cli/console.h"
+#include "renderer/film/film_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+namespace meristem {
+
+namespace {
+
+bool is_display_image(const std::string& path) { return !is_film_file(path) && image_format(path) != ImageFormat::Exr; }
+
+void report_clamped(const std::string& path, std::size_t values) {
+  if (values > 0)
+    print_error(fmt::format("warning: {}: {} values clamped to the range of a half; --float keeps them", path, values));
+}
+
+}  // namespace
+
+bool is_film_file(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return extension == ".film";
+}
+
+void check_extension(const std::string& path) {
+  if (is_film_file(path)) return;
+  try {
+    image_format(path);
+  } catch (const FileError& error) {
+    throw FileError(fmt::format("{}, or .film", error.what()));
+  }
+}
+
+Outputs::Outputs(OutputOptions options) : options_(std::move(options)) {
+  check_image_support();
+  for (const std::string& path : options_.files) check_writable(path);
+  if (std::ranges::any_of(options_.files, is_display_image) || !options_.view.empty() || !options_.display.empty())
+    transform_.emplace(options_.view, options_.exposure, options_.display);
+}
+
+void Outputs::write(const Film& film, const FilmInfo& info, const AdaptiveState& adaptive) const {
+  std::vector<ExrPart> parts;
+  Image shown;
+  for (const std::string& path : options_.files)
+    if (is_film_file(path)) {
+      write_film_file(path, film, info, adaptive);
+    } else if (is_display_image(path)) {
+      if (shown.pixels.empty()) {
+        shown = film.develop();
+        transform_->apply(shown.pixels.data(), shown.width, shown.height, shown.channels);
+      }
+      write_image(path, shown, info.metadata, {.bits = options_.bits});
+    } else {
+      if (parts.empty()) parts = film_parts(film, info.names, options_.half);
+      const PixelWindow& window = film.window();
+      const ExrFrame frame{window.x0, window.y0, info.frame_width, info.frame_height};
+      report_clamped(path, write_exr_parts(path, parts, frame, info.metadata));
+    }
+}
+
+}  // namespace meristem

@@ -1,0 +1,32 @@
+// EXR files of several parts: the picture and what else is known of each pixel. Every part has the same data window.
+// Any thread; every error is a FileError that names the file; the file appears whole or not at all.
+#pragma once
+
+#include "renderer/image/image.h"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace meristem {
+
+struct ExrPart {
+  std::string name;
+  std::vector<std::string> channels;  // as many names as the image has channels
+  Image image;
+  bool half = false;  // 16-bit halves; else 32-bit floats
+  bool color = true;  // scene-linear Rec.709, and says so; else data
+  Metadata metadata = {};
+};
+
+// Where the data window lies in the full frame.
+struct ExrFrame {
+  int x = 0, y = 0, full_width = 0, full_height = 0;
+};
+
+// Returns how many values of parts of halves lay outside the range of a half and were clamped to it. `metadata` goes to
+// the first part.
+std::size_t write_exr_parts(const std::string& path, std::vector<ExrPart> parts, const ExrFrame& frame,
+                            const Metadata& metadata = {});
+
+}  // namespace meristem

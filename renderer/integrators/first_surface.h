@@ -1,0 +1,27 @@
+// What an integrator reports of the first surface that a camera ray shows (FirstSurface). Nothing is done if nobody
+// asks.
+#pragma once
+
+#include "renderer/materials/bsdf.h"
+#include "renderer/scene/scene.h"
+
+namespace meristem {
+
+// A surface whose material has been evaluated.
+inline void report_first(FirstSurface* first, const SurfaceHit& hit, const Bsdf& bsdf) {
+  if (!first) return;
+  first->hit = hit;
+  first->hit.origin = nullptr;
+  first->albedo = bsdf.albedo();
+  first->material = hit.origin ? std::max(hit.origin->material, 0) : 0;
+}
+
+// One whose material the integrator does not need.
+inline void report_first(FirstSurface* first, const Scene& scene, const Ray& ray, const SurfaceHit& hit) {
+  if (!first) return;
+  Bsdf bsdf;
+  scene.material_of(hit).evaluate({hit, -ray.direction}, bsdf);
+  report_first(first, hit, bsdf);
+}
+
+}  // namespace meristem

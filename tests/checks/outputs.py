@@ -1,0 +1,107 @@
+"""What `meristem render` writes, as another program (oiiotool) reads it.
+
+    outputs.py PROGRAM
+"""
+import json
+import re
+import struct
+import sys
+import tempfile
+
+from running import Program, oiiotool, pixels
+
+ALL = ["beauty", "albedo", "normal", "Z", "P", "uv", "id.object", "id.material", "level", "samples", "variance",
+       "cost.time", "cost.expand", "cost.reexpand", "crypto_object", "crypto_material", "crypto_production"]
+
+
+def parts_of(folder, image):
+    """Name, format and channels of every part, and the whole text."""
+    text = oiiotool(folder, "--info", "-v", "-a", image)
+    names = re.findall(r'oiio:subimagename: "(.*)"', text)
+    kinds = re.findall(r"subimage +\d+: .*channel, (\w+)", text)
+    channels = re.findall(r"channel list: (.*)", text)
+    return list(zip(names, kinds, channels)), text
+
+
+def check_parts(program):
+    program.run("render", "ball.jsonc", "-o", "all.exr", "-o", "all.png", "-o", "all.jpg", "-o", "all.tif", "--bits",
+                "16", "--aov", "all", "-q", "--seed", "5")
+    parts, text = parts_of(program.folder, "all.exr")
+    assert [name for name, _, _ in parts] == ALL, parts
+    assert [kind for _, kind, _ in parts] == ["half"] + ["float"] * (len(ALL) - 1), parts
+    by_name = {name: channels for name, _, channels in parts}
+    assert by_name["beauty"] == "R, G, B, A"
+    assert by_name["normal"] == "normal.X, normal.Y, normal.Z"
+    assert by_name["crypto_object"].startswith("crypto_object00.R, crypto_object00.G"), by_name["crypto_object"]
+    assert by_name["crypto_object"].endswith("crypto_object02.A"), by_name["crypto_object"]
+    for wanted in ['meristem:seed: "5"', 'meristem:scene: "ball.jsonc"', "meristem:scene_sha256", "meristem:history",
+                   "meristem:peak_rss_bytes", "meristem:cells_expanded", 'meristem:sample_range: "0:16"', "DateTime"]:
+        assert wanted in text, f"no {wanted} in\n{text}"
+    assert "16 x    9, 3 channel, uint16 tiff" in oiiotool(program.folder, "--info", "all.tif")
+    assert set(pixels(program.folder, "all.exr", ALL.index("samples"))) == {16}
+
+
+def check_cryptomatte(program):
+    _, text = parts_of(program.folder, "all.exr")
+    manifest = json.loads(re.search(r'cryptomatte/f834d0a/manifest: "(.*)"', text)[1].replace('\\"', '"'))
+    assert set(manifest) == {"left", "ball"}, manifest
+    assert re.search(r'cryptomatte/f834d0a/conversion: "uint32_to_float32"', text)
+    # Every hash in the image is in the manifest, and both objects are seen
+    values = pixels(program.folder, "all.exr", ALL.index("crypto_object"))
+    ranks = list(zip(values[0::2], values[1::2]))
+    assert len(ranks) == 16 * 9 * 6
+    seen = {struct.pack("<f", number).hex() for number, coverage in ranks if coverage > 0}
+    assert seen == {struct.pack("<I", int(digits, 16)).hex() for digits in manifest.values()}, (seen, manifest)
+    assert 0 < sum(coverage for _, coverage in ranks) < 16 * 9
+    assert all(0 <= coverage <= 1 for _, coverage in ranks)
+
+
+def check_crop(program):
+    whole = program.digest("render", "ball.jsonc", "-o", "whole.exr", "--float")
+    crop = program.digest("render", "ball.jsonc", "-o", "crop.exr", "--float", "--crop", "4,2,12,8")
+    assert whole != crop
+    text = oiiotool(program.folder, "--info", "-v", "crop.exr")
+    assert "8 x    6" in text and "pixel data origin: x=4, y=2" in text and "full/display size: 16 x 9" in text, text
+    oiiotool(program.folder, "whole.exr", "--crop", "8x6+4+2", "-o", "cut.exr")
+    oiiotool(program.folder, "cut.exr", "crop.exr", "--diff")
+
+
+def check_display(program):
+    """The display's own encoding of a known value, and the raw value."""
+    flat = ["render", "ball.jsonc", "--set", "/objects=[]", "--set", '/lights=[{"type": "constant", "intensity": 0.5}]',
+            "-q", "-o"]
+    program.run(*flat, "raw.png", "--view", "Raw")
+    program.run(*flat, "srgb.png", "--view", "sRGB")
+    program.run(*flat, "video.png", "--view", "sRGB", "--display", "Rec.1886")
+    for name, expected in [("raw.png", 0.5), ("srgb.png", 1.055 * 0.5 ** (1 / 2.4) - 0.055),
+                           ("video.png", 0.5 ** (1 / 2.4))]:
+        value = pixels(program.folder, name)[0]
+        assert abs(value - expected) < 0.004, (name, value, expected)
+    _, error = program.run("render", "ball.jsonc", "-o", "a.png", "--display", "Laser", code=2)
+    assert "known: sRGB, Rec.1886, P3-D65" in error, error
+
+
+def check_scene_aovs(program):
+    program.run("render", "ball.jsonc", "-o", "some.exr", "--set", '/render/aovs=["Z", "albedo"]', "--aov", "P", "-q")
+    parts, _ = parts_of(program.folder, "some.exr")
+    assert [name for name, _, _ in parts] == ["beauty", "albedo", "Z", "P"], parts
+    _, error = program.run("check", "ball.jsonc")
+    _, error = program.run("render", "ball.jsonc", "--set", '/render/aovs=["Z", "depth"]', code=2)
+    assert "--set:1:20: error: no AOV named \"depth\"" in error, error
+    _, error = program.run("render", "ball.jsonc", "--aov", "depth", code=2)
+    assert "no AOV named \"depth\"; known: all, albedo" in error, error
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        program = Program(sys.argv[1], folder)
+        check_parts(program)
+        check_cryptomatte(program)
+        check_crop(program)
+        check_display(program)
+        check_scene_aovs(program)
+    print("images are what other programs expect")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,71 @@
+#include "renderer/image/exr_parts.h"
+
+#include "tests/renderer/image/scratch_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+namespace meristem {
+namespace {
+
+Image ramp(int width, int height, int channels, float scale) {
+  Image image{width, height, channels, {}};
+  for (int i = 0; i < width * height * channels; ++i) image.pixels.push_back(float(i) * scale);
+  return image;
+}
+
+// What oiiotool, another program, says of the file.
+std::string info(const std::string& path) {
+  std::string text;
+  std::FILE* pipe = ::popen(("oiiotool --info -v -a '" + path + "' 2>&1").c_str(), "r");
+  char buffer[4096];
+  while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe)) text.append(buffer, n);
+  ::pclose(pipe);
+  return text;
+}
+
+TEST(ExrParts, EveryPartReturnsByItsName) {
+  const ScratchFolder folder;
+  const Image rgba = ramp(7, 5, 4, 0.25f), depth = ramp(7, 5, 1, 1.1f);
+  const std::vector<ExrPart> parts{{"beauty", {"R", "G", "B", "A"}, rgba, true}, {"Z", {"Z"}, depth, false, false}};
+  EXPECT_EQ(write_exr_parts(folder / "a.exr", parts, {0, 0, 7, 5}), 0u);
+  EXPECT_EQ(read_image(folder / "a.exr").pixels, rgba.pixels);  // multiples of 1/4 are exact halves
+  EXPECT_EQ(read_image(folder / "a.exr", "Z").pixels, depth.pixels);
+  EXPECT_THROW(read_image(folder / "a.exr", "normal"), FileError);
+}
+
+TEST(ExrParts, AnotherProgramSeesTypesNamesWindowsAndMetadata) {
+  const ScratchFolder folder;
+  const std::vector<ExrPart> parts{
+      {"beauty", {"R", "G", "B", "A"}, ramp(6, 4, 4, 1), true, true},
+      {"normal", {"normal.X", "normal.Y", "normal.Z"}, ramp(6, 4, 3, 1), false, false, {{"meristem:doc", "world"}}}};
+  write_exr_parts(folder / "a.exr", parts, {10, 20, 64, 48}, {{"meristem:seed", "7"}});
+  const std::string said = info(folder / "a.exr");
+  for (const char* part :
+       {"2 subimages", "half openexr", "channel list: R, G, B, A", "channel list: normal.X, normal.Y, normal.Z",
+        "oiio:subimagename: \"beauty\"", "oiio:subimagename: \"normal\"", "pixel data origin: x=10, y=20",
+        "full/display size: 64 x 48", "meristem:seed: \"7\"", "meristem:doc: \"world\""})
+    EXPECT_NE(said.find(part), std::string::npos) << part << "\nin\n" << said;
+}
+
+TEST(ExrParts, HalvesAreClampedAndCountedFloatsAreNot) {
+  const ScratchFolder folder;
+  const Image bright = ramp(4, 4, 1, 1e5f);
+  EXPECT_EQ(write_exr_parts(folder / "a.exr", {{"beauty", {"Y"}, bright, true}}, {0, 0, 4, 4}), 15u);
+  EXPECT_EQ(write_exr_parts(folder / "b.exr", {{"beauty", {"Y"}, bright, false}}, {0, 0, 4, 4}), 0u);
+  EXPECT_EQ(read_image(folder / "b.exr").pixels, bright.pixels);
+}
+
+TEST(ExrParts, AFullDiskIsAnErrorAndTheOldFileStays) {
+  const ScratchFolder folder;
+  write_exr_parts(folder / "a.exr", {{"beauty", {"Y"}, ramp(4, 4, 1, 1)}}, {0, 0, 4, 4});
+  const std::string before = read_text(folder / "a.exr");
+  const FileSizeLimit limit(50);
+  EXPECT_THROW(write_exr_parts(folder / "a.exr", {{"beauty", {"Y"}, ramp(4, 4, 1, 2)}}, {0, 0, 4, 4}), FileError);
+  EXPECT_TRUE(read_text(folder / "a.exr") == before);
+  EXPECT_EQ(folder.files(), 1u);
+}
+
+}  // namespace
+}  // namespace meristem
