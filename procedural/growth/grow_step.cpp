@@ -378,7 +378,7 @@ struct GrowParams {
   int count;
   const Value* rules;
   explicit GrowParams(Params& params) {
-    count = params.integer("grow", 1, {1, max_steps, ""}, "how many times the rules are applied");
+    count = params.integer("grow", 1, {0, max_steps, ""}, "how many times the rules are applied");
     rules = params.raw("rules", true, rules_schema, "for each symbol its rule, or several to choose from");
   }
 };

@@ -2,8 +2,9 @@
 //
 // A template's first face, the socket, is never written down: it is the replaced face itself. Its corners are the
 // corners of that face, so the border is shared and neither T-vertices nor gaps can arise; the other faces hang on it
-// and, with it, make a closed mesh. What grows is a pure function of the socket and of the evaluated parameters; how
-// many vertices and faces, and which, depends on the number of corners alone, save for a rotation of the corners.
+// and, with it, make a closed mesh (a leaf's blade alone is an open sheet). What grows is a pure function of the socket
+// and of the evaluated parameters; how many vertices and faces, and which, depends on the number of corners alone, save
+// for a rotation of the corners.
 //
 // A new template is one file in procedural/growth/templates: a class whose constructor reads its parameters from
 // TemplateParams, and its register_<file>(TemplateRegistry&). Immutable after construction: any thread may grow it.

@@ -1,5 +1,7 @@
 #include "renderer/loading/load_part.h"
 
+#include "renderer/loading/step_counts.h"
+
 #include <fmt/format.h>
 
 #include <stdexcept>
@@ -42,6 +44,7 @@ ObjectSection read_object(Params& params) {
   section.name = params.text("name", "", "in mattes; none: that of the model, numbered if it stands more than once");
   section.seed =
       params.integer("seed", 0, {0, 2147483647, ""}, "another seed grows another individual of the same kind");
+  section.counts = read_step_counts(params);
   const Vec3d position = params.vector("position", {0, 0, 0}, any_range, "where the model's origin stands, in metres");
   const Vec3d rotate =
       params.vector("rotate", {0, 0, 0}, {-36000, 36000, "deg"}, "turns about x, y and z: first z, then x, then y");
@@ -101,7 +104,7 @@ void PartLibrary::add_object(const Value& value, std::vector<Placement>& placeme
   Params params(value, "object", context_.diagnostics);
   const ObjectSection section = read_object(params);
   params.finish();
-  if (auto made = part(section.model, section.seed, params, "model"))
+  if (auto made = part({section.model, section.seed, section.counts}, params, "model"))
     placements.push_back({std::move(made), section.to_world, 0, true});
 }
 
@@ -111,22 +114,29 @@ void PartLibrary::check_unused() {
     if (!used_.count(m.key)) build(m.key, m.value, 0);
 }
 
-std::shared_ptr<const Part> PartLibrary::part(const std::string& model, int seed, Params& params, const char* name) {
+std::shared_ptr<const Part> PartLibrary::part(const Variant& variant, Params& params, const char* name) {
+  const std::string& model = variant.model;
   const Value* value = models_ ? models_->find(model) : nullptr;
   if (!value) {
     if (params.has(name)) params.error(name, unknown_model(model));
     return nullptr;
   }
   used_.insert(model);
-  const auto [known, is_new] = built_.try_emplace({model, seed});
+  const auto [known, is_new] = built_.try_emplace(variant);
   if (!is_new && known->second) return known->second;
   if (!under_construction_.insert(model).second) {
     params.error(name, fmt::format("model \"{}\" places itself", model));
     return nullptr;
   }
-  auto made = is_new ? build(model, *value, seed) : nullptr;
+  auto made = is_new ? build(variant, *value, params) : nullptr;
   under_construction_.erase(model);
-  return built_[{model, seed}] = std::move(made);
+  return built_[variant] = std::move(made);
+}
+
+std::shared_ptr<const Part> PartLibrary::build(const Variant& variant, const Value& value, Params& params) {
+  if (variant.counts.empty()) return build(variant.model, value, variant.seed);
+  const auto changed = with_step_counts(value, variant.counts, params);
+  return changed ? build(variant.model, *changed, variant.seed) : nullptr;
 }
 
 std::shared_ptr<const Part> PartLibrary::build(const std::string& name, const Value& value, int seed) {
@@ -181,7 +191,7 @@ std::vector<Scatter::Choice> PartLibrary::read_choices(const Value& list, int se
     const std::string name = params.required_text("model", "name of one of the file's models");
     const double weight = params.real("weight", 1, {1e-9, 1e9, ""}, "how often, beside the others");
     params.finish();
-    if (auto made = part(name, seed, params, "model")) choices.push_back({std::move(made), weight});
+    if (auto made = part({name, seed}, params, "model")) choices.push_back({std::move(made), weight});
   }
   return choices;
 }

@@ -5,10 +5,10 @@
 #include "procedural/scatter/scatter.h"
 #include "renderer/loading/load_model.h"
 
+#include <compare>
 #include <map>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace meristem {
@@ -31,6 +31,7 @@ struct ObjectSection {
   std::string model;
   std::string name;  // for mattes; empty: that of the model, numbered if it stands more than once
   int seed = 0;
+  std::vector<int> counts;  // of the model's steps, if not as the model says
   Affine3d to_world;
 };
 ObjectSection read_object(Params& params);
@@ -39,7 +40,7 @@ ObjectSection read_object(Params& params);
 // are several without a name.
 std::vector<std::string> object_names(const Value& objects);
 
-// Builds the models of a scene file when they are first named, once for each seed.
+// Builds the models of a scene file when they are first named, once for each seed and counts.
 class PartLibrary {
  public:
   // `models`: the section as written; null if absent.
@@ -51,8 +52,17 @@ class PartLibrary {
   void check_unused();
 
  private:
+  // Which individual of a model.
+  struct Variant {
+    std::string model;
+    int seed = 0;
+    std::vector<int> counts = {};
+    auto operator<=>(const Variant&) const = default;
+  };
+
   // Of the model that the member `name` of `params` names. Null if there is none or it cannot be built.
-  std::shared_ptr<const Part> part(const std::string& model, int seed, Params& params, const char* name);
+  std::shared_ptr<const Part> part(const Variant& variant, Params& params, const char* name);
+  std::shared_ptr<const Part> build(const Variant& variant, const Value& value, Params& params);
   std::shared_ptr<const Part> build(const std::string& name, const Value& value, int seed);
   std::shared_ptr<const Part> build_scatter(const std::string& name, const Value& value, int seed);
   std::shared_ptr<const Part> build_group(const Value& value);
@@ -62,7 +72,7 @@ class PartLibrary {
 
   const Value* models_;
   const ModelContext& context_;
-  std::map<std::pair<std::string, int>, std::shared_ptr<const Part>> built_;
+  std::map<Variant, std::shared_ptr<const Part>> built_;
   std::set<std::string> under_construction_;
   std::set<std::string> used_;
 };

@@ -131,6 +131,7 @@ void expect_sharpness_agrees(const Mesh& mesh) {
   }
 }
 
+// Closed but for leaves, whose blades have borders.
 TEST(GrowStep, WhateverTheRulesAClosedManifoldStaysOne) {
   int grown_meshes = 0;
   for (Key seed = 0; seed < 150; ++seed) {
@@ -140,8 +141,11 @@ TEST(GrowStep, WhateverTheRulesAClosedManifoldStaysOne) {
     ASSERT_EQ(d.messages(), std::vector<std::string>{}) << base << steps;
     const Mesh mesh = d.grown();
     ASSERT_EQ(manifold_defect(mesh), "") << base << steps;
-    ASSERT_TRUE(is_closed(mesh)) << base << steps;
-    ASSERT_EQ(euler_characteristic(mesh), 2) << base << steps;
+    const bool closed = is_closed(mesh);
+    ASSERT_TRUE(closed || steps.find("leaf") != std::string::npos) << base << steps;
+    if (closed) {
+      ASSERT_EQ(euler_characteristic(mesh), 2) << base << steps;
+    }
     ASSERT_EQ(mesh.corner_uv.size(), mesh.corner_vertices.size());
     for (Vec3d p : mesh.positions) ASSERT_EQ(p, d.quantum.round(p));
     expect_sharpness_agrees(mesh);

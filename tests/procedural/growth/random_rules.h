@@ -64,7 +64,7 @@ class RandomRules {
   std::string angle(const Names& parameters) { return fmt::format("(100*({})-50)", scalar(parameters)); }
 
   std::string part(const Names& p) {
-    switch (pick(8)) {
+    switch (pick(9)) {
       case 0:
       case 1:
         return fmt::format(
@@ -96,6 +96,12 @@ class RandomRules {
             R"json("template": "extrude", "inset": "{}", "height": "{}-0.5", "faces": {{ "cap": "{}",
     "wall": "{}" }})json",
             scalar(p), scalar(p), successor(p), successor(p));
+      case 7:
+        return fmt::format(
+            R"json("template": "leaf", "length": "{}", "width": "{}", "stalk": "{}", "stalk_radius": "{}", "bend": "{}",
+    "fold": "{}", "droop": "4*{}", "facing": "{}", "faces": {{ "blade": "{}", "stalk": "{}" }})json",
+            scalar(p), scalar(p), scalar(p), scalar(p), angle(p), angle(p), angle(p), scalar(p), successor(p),
+            successor(p));
       default:
         return fmt::format(
             R"json("template": "mesh", "scale": "{}", "height": "{}",

@@ -22,8 +22,8 @@ TEST(Rules, RightOnesRaiseNothing) {
 
 TEST(Rules, UnknownTemplatesAreNamedWithTheNearest) {
   EXPECT_EQ(messages_of(R"json({ "grow": 1, "rules": { "a": { "template": "segmnt" } } })json"),
-            (Messages{"1:44 no template named \"segmnt\"; did you mean \"segment\"?; known: box, extrude, fork, mesh, "
-                      "segment, spike, tent"}));
+            (Messages{"1:44 no template named \"segmnt\"; did you mean \"segment\"?; known: box, extrude, fork, leaf, "
+                      "mesh, segment, spike, tent"}));
 }
 
 TEST(Rules, UnknownFacesAndKeysAreNamedWithTheNearest) {
