@@ -15,12 +15,12 @@ double surface_area(const Bounds3f& b) {
 // The name in the scene: those of individuals differ behind a "#".
 std::string kind_of(const Model& model) { return model.name().substr(0, model.name().find('#')); }
 
-// The symbol of a rule that is still to be applied.
-std::string waiting_rule(const MadeCell& cell) {
-  const Model& model = cell.model;
-  for (int level = cell.level; level < model.levels() && cell.symbol >= 0; ++level)
-    if (model.step(level).grows(cell.symbol)) return model.step(level).symbol_name(cell.symbol);
-  return {};
+// What the scene calls the symbol of a cell's first face.
+std::string rule_of(const MadeCell& cell) {
+  std::string name;
+  for (int level = 0; level < cell.model.levels() && name.empty() && cell.symbol >= 0; ++level)
+    name = cell.model.step(level).symbol_name(cell.symbol);
+  return name;
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ void ExpansionCounts::add(const MadeCell& cell, CacheEntry& entry) {
 void ExpansionCounts::record(const MadeCell& cell, CacheEntry& entry) const {
   CellLabel& label = entry.label;
   label.cell = hash_keys(hash_text(cell.model.name()), cell.key, Key(cell.level));
-  label.cell_class = recorder_->class_of({kind_of(cell.model), cell.level, waiting_rule(cell), label.is_surface});
+  label.cell_class = recorder_->class_of({kind_of(cell.model), cell.level, rule_of(cell), label.is_surface});
   RecordedExpansion record{label.cell_class,   cell.start_s,         cell.built_from_s,
                            recorder_->now_s(), cell.expansion.faces, entry.bytes};
   const double real_area = surface_area(cell.real_bounds);

@@ -41,8 +41,7 @@ class ExpansionCounts {
   mutable std::mutex mutex_;
   std::uint64_t faces_ = 0;
   double time_s_ = 0;
-  std::vector<StepStatistics>
-      by_step_;  // by model and name, in order of appearance; all individuals of a model are one
+  std::vector<StepStatistics> by_step_;  // by model (all its individuals) and name, in order of appearance
   std::uint64_t failed_ = 0;
   std::set<std::string> defects_;
 };

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <bit>
 #include <functional>
 #include <set>
 
@@ -127,6 +128,12 @@ class LazyRoot final : public ModelRoot {
   // What stands on a ground must not depend on the view, so the ground is expanded in full.
   const Footprint* ground_footprint() const { return source_.part->placer ? nullptr : source_.footprint.get(); }
 
+  // What tells its cells from those of other roots of the model.
+  Key identity() const {
+    const double footprint = source_.footprint ? source_.footprint->at({}) : 0;
+    return hash_keys(source_.individual, std::bit_cast<Key>(footprint));
+  }
+
   // Never throws: a cell that cannot be expanded becomes its box, once, counted and reported.
   template <class Cut>
   std::unique_ptr<CacheEntry> make_entry(const Cut& cut, int level, const Bounds3f& bounds, Key key) const {
@@ -138,7 +145,9 @@ class LazyRoot final : public ModelRoot {
       const double built_from_s = counts_.now_s();
       auto entry = entry_of(expansion, bounds, key);
       const Bounds3f& real_bounds = static_cast<const CellEntry&>(*entry).real_bounds();
-      counts_.add({model(), level, key, symbol, expansion, start_s, built_from_s, bounds, real_bounds}, *entry);
+      counts_.add(
+          {model(), level, hash_keys(key, identity()), symbol, expansion, start_s, built_from_s, bounds, real_bounds},
+          *entry);
       return entry;
     } catch (const std::exception& error) {
       counts_.add_defect(fmt::format("a cell of model \"{}\" could not be expanded: {}", model().name(), error.what()));

@@ -80,6 +80,10 @@ class World final : public Intersector {
     return query.tfar < 0;
   }
 
+  ThreadExpansions thread_expansions() const override {
+    const GeometryCache::ThreadCounts counts = cache_.thread_counts();
+    return {counts.expansions, counts.reexpansions};
+  }
   void quiescent() const override { cache_.leave(); }
   Bounds3f bounds() const override { return objects_->bounds(); }
 

@@ -5,7 +5,9 @@
 namespace meristem {
 
 ExpansionRecorder::ExpansionRecorder(std::uint64_t budget_bytes, std::function<std::size_t()> plan_bytes)
-    : budget_bytes_(budget_bytes), plan_bytes_(std::move(plan_bytes)) {}
+    : budget_bytes_(budget_bytes), plan_bytes_(std::move(plan_bytes)) {
+  class_of({"placed instances", 0, "", false});
+}
 
 ExpansionRecorder::ThreadLog& ExpansionRecorder::log() {
   std::unique_ptr<ThreadLog>& mine = logs_[std::size_t(GeometryCache::thread_index())];
@@ -89,7 +91,7 @@ void ExpansionRecorder::expanded(const CellLabel& label, std::size_t bytes) {
   const std::lock_guard lock(mutex_);
   change(label, bytes, 1);
   note_memory();
-  const bool again = reuse_.expanded(label.cell, bytes);
+  const bool again = label.cell != 0 && reuse_.expanded(label.cell, bytes);
   TimelineBin& bin = timeline_.at(now_s());
   ++bin.expanded;
   bin.reexpanded += again;

@@ -39,7 +39,7 @@ class ExpansionRecorder {
   ExpansionRecorder(std::uint64_t budget_bytes, std::function<std::size_t()> plan_bytes);
 
   double now_s() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-  // The index of a kind of cells, for CellLabel and RecordedExpansion.
+  // The index of a kind of cells, for CellLabel and RecordedExpansion. The first stands for entries without a label.
   std::uint32_t class_of(const CellClass& cells);
   void add_expansion(const RecordedExpansion& expansion);
   void add_wait(double start_s);

@@ -109,6 +109,9 @@ bool GeometryCache::adopt_child(CacheEntry* parent) {
 
 void GeometryCache::publish(CacheSlot& slot, CacheEntry* parent, std::unique_ptr<CacheEntry> owned, bool is_orphan) {
   CacheEntry* entry = owned.release();
+  ThreadCounts& mine = threads_[std::size_t(thread_index())].counts;
+  ++mine.expansions;
+  mine.reexpansions += slot.was_expanded_;
   {
     const std::lock_guard lock(mutex_);
     ++statistics_.expansions;

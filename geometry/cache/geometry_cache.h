@@ -48,8 +48,8 @@ class CacheSlot {
 
 // What a recorder knows an entry by.
 struct CellLabel {
-  Key cell = 0;                  // the same whenever the cell is expanded
-  std::uint32_t cell_class = 0;  // ExpansionRecorder::class_of()
+  Key cell = 0;                  // the same whenever the cell is expanded; 0: not known
+  std::uint32_t cell_class = 0;  // ExpansionRecorder::class_of(); 0: none
   bool is_surface = false;
   std::size_t tree_bytes = 0;  // of its bytes: Embree's
 };
@@ -116,6 +116,11 @@ class GeometryCache {
 
   std::size_t budget_bytes() const { return budget_bytes_; }
   CacheStatistics statistics() const;
+  // What the calling thread expanded so far, in its life and that of threads that had its index before.
+  struct ThreadCounts {
+    std::uint64_t expansions = 0, reexpansions = 0;
+  };
+  ThreadCounts thread_counts() const { return threads_[std::size_t(thread_index())].counts; }
   // Of the calling thread for its life, in all caches; given to another thread after it.
   static int thread_index();
 
@@ -137,6 +142,7 @@ class GeometryCache {
   static constexpr std::uint64_t outside = ~std::uint64_t(0);
   struct alignas(64) ThreadEpoch {
     std::atomic<std::uint64_t> epoch{outside};
+    ThreadCounts counts;  // touched by the thread alone
   };
 
   const std::size_t budget_bytes_;

@@ -35,6 +35,7 @@ class CommandLine {
     app_.footer(footer);
     add_render();
     add_merge();
+    add_profile();
     add_compare();
     add_check();
     add_describe();
@@ -78,12 +79,24 @@ class CommandLine {
     command.final_callback([this] { exit_code_ = merge_command(merge_); });
   }
 
+  void add_profile() {
+    CLI::App& command = *app_.add_subcommand("profile", "render; an HTML page of what lazy expansion did");
+    profile_.command_line = render_.command_line;
+    add_scene_argument(command, profile_.scene);
+    add_profile_options(command, profile_);
+    add_scene_options(command, profiled_);
+    command.final_callback([this, &command] {
+      profile_.render_options = given_scene_options(command);
+      exit_code_ = profile_command(profile_);
+    });
+  }
+
   void add_compare() {
     CLI::App& command =
         *app_.add_subcommand("compare", "render lazily, eagerly and flat; compare time, memory and image");
     add_scene_argument(command, compare_.scene);
-    command.add_option("--runs", compare_.runs, "renderings of each; figures are medians")->check(CLI::Range(1, 1000));
-    command.add_flag("--json", compare_.json, "print JSON instead of a table");
+    compare_.command_line = render_.command_line;
+    add_compare_options(command, compare_);
     add_scene_options(command, compared_);
     command.final_callback([this, &command] {
       compare_.render_options = given_scene_options(command);
@@ -113,8 +126,9 @@ class CommandLine {
   const SceneLoader& load_;
   CLI::App app_{"Meristem: a ray-tracing renderer whose geometry grows where rays touch it", "meristem"};
   RenderOptions render_;
-  RenderOptions compared_;  // parsed for their errors; the children get the text
+  RenderOptions compared_, profiled_;  // parsed for their errors; the children get the text
   CompareOptions compare_;
+  ProfileOptions profile_;
   MergeOptions merge_;
   std::string checked_scene_, described_;
   bool describe_markdown_ = false;

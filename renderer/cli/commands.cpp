@@ -2,11 +2,15 @@
 
 #include "renderer/cli/console.h"
 #include "renderer/language/describe.h"
+#include "renderer/language/json_writer.h"
 #include "renderer/language/schema.h"
 #include "renderer/loading/all_components.h"
-#include "renderer/report/comparison.h"
+#include "renderer/report/page.h"
+#include "renderer/report/profile_run.h"
 
 #include <fmt/format.h>
+
+#include <filesystem>
 
 namespace meristem {
 
@@ -26,20 +30,57 @@ std::string scene_summary(const std::string& path, const LoadedScene& loaded) {
   return text + fmt::format("  sha256     {}\n", loaded.sha256);
 }
 
+// The texts of the member "hints" of statistics.
+std::vector<std::string> hint_texts(const Value& statistics) {
+  std::vector<std::string> texts;
+  if (const Value* hints = statistics.find("hints"))
+    for (const Value& hint : hints->items)
+      if (const Value* text = hint.find("text")) texts.push_back(text->text);
+  return texts;
+}
+
 }  // namespace
 
 int compare_command(const CompareOptions& options) {
   if (options.scene == "-") throw UsageError("compare reads the scene several times: it needs a file");
+  if (!options.page.empty()) check_writable(options.page);
   ComparisonOptions comparison_options;
   comparison_options.scene = options.scene;
   comparison_options.runs = options.runs;
+  comparison_options.budgets = options.budgets;
+  comparison_options.record = !options.page.empty();
   comparison_options.render_options = options.render_options;
-  comparison_options.starting = [&](const std::string& mode, int run) {
-    print_error(fmt::format("rendering {} (run {} of {})", mode, run, options.runs));
+  comparison_options.starting = [&](const std::string& name, int run) {
+    print_error(run > 0 ? fmt::format("rendering {} (run {} of {})", name, run, options.runs)
+                        : fmt::format("recording {}", name));
   };
   const Comparison comparison = compare_modes(comparison_options);
   print_result(options.json ? comparison_json(comparison) : comparison_table(comparison));
+  if (!options.page.empty()) {
+    write_file(options.page, report_page(comparison_page_data(comparison, options.command_line)));
+    print_error("wrote " + options.page);
+  }
   return comparison.exit_code();
+}
+
+int profile_command(const ProfileOptions& options) {
+  if (options.scene == "-") throw UsageError("profile starts another process: it needs a file");
+  const std::string page =
+      options.page.empty() ? std::filesystem::path(options.scene).stem().string() + ".html" : options.page;
+  check_writable(page);
+  if (!options.statistics.empty()) check_writable(options.statistics);
+  ProfileRunOptions run_options;
+  run_options.scene = options.scene;
+  run_options.render_options = options.render_options;
+  run_options.trace = options.trace;
+  run_options.command = options.command_line;
+  ProfileRun run = run_profile(run_options);
+  if (run.statistics.kind == Value::Kind::Null) return run.exit_code;
+  for (const std::string& text : hint_texts(run.statistics)) print_result("- " + text);
+  if (!options.statistics.empty()) write_file(options.statistics, to_json(run.statistics) + "\n");
+  write_file(page, report_page(run.page_data));
+  print_error("wrote " + page);
+  return run.exit_code;
 }
 
 int check_command(const std::string& path, const SceneLoader& load) {

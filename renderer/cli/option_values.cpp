@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <sstream>
 #include <string_view>
 #include <vector>
 
@@ -44,6 +45,24 @@ std::pair<int, int> parse_size(const std::string& text) {
 std::uint64_t parse_memory(const std::string& text) {
   if (const auto bytes = parse_bytes(text)) return *bytes;
   throw UsageError(fmt::format("\"{}\" is no amount of memory: expected one like 512M or 1.5G", text));
+}
+
+std::vector<BudgetChoice> parse_budgets(const std::string& text) {
+  std::vector<BudgetChoice> budgets;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    if (!part.ends_with('%')) {
+      budgets.push_back({.bytes = parse_memory(part)});
+      continue;
+    }
+    double percent = 0;
+    const char* const end = part.data() + part.size() - 1;
+    const auto [after, error] = std::from_chars(part.data(), end, percent);
+    if (error != std::errc() || after != end || !(percent > 0) || percent > 100)
+      throw UsageError(fmt::format("\"{}\" is no share: expected one above 0% up to 100%", part));
+    budgets.push_back({.share = percent / 100});
+  }
+  return budgets;
 }
 
 PixelWindow parse_crop(const std::string& text) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "renderer/film/film_file.h"
+#include "renderer/report/comparison.h"
 
 #include <cstdint>
 #include <string>
@@ -20,6 +21,9 @@ std::uint64_t parse_memory(const std::string& text);
 
 // "x0,y0,x1,y1" in pixels from the top left corner, x1 and y1 excluded; not empty.
 PixelWindow parse_crop(const std::string& text);
+
+// "25%,10%,64M": budgets of the geometry cache, as shares above 0 up to 100 % or as amounts of memory.
+std::vector<BudgetChoice> parse_budgets(const std::string& text);
 
 // "90", "90s", "5m", "1.5h", "1h30m": seconds, more than 0.
 double parse_duration(const std::string& text);

@@ -94,6 +94,8 @@ void add_long_options(CLI::App& app, RenderOptions& o) {
 
 void add_report_options(CLI::App& app, RenderOptions& o) {
   app.add_option("--stats", o.statistics, "the figures of the render as JSON")->type_name("FILE")->group(report_group);
+  app.add_flag("--profile", o.profile, "record expansion for --stats")->group(report_group);
+  app.add_option("--trace", o.trace, "Chrome trace of expansion")->type_name("FILE")->group(report_group);
   using Style = ProgressDisplay::Style;
   static const std::map<std::string, Style> styles{
       {"bar", Style::Bar}, {"lines", Style::Lines}, {"json", Style::Json}, {"none", Style::None}};
@@ -167,6 +169,20 @@ void add_output_options(CLI::App& app, OutputOptions& o) {
   grouped(app.add_flag_callback(
               "--float", [&o] { o.half = false; }, "the picture in EXR as 32-bit floats"))
       ->excludes(half);
+}
+
+void add_profile_options(CLI::App& app, ProfileOptions& o) {
+  app.add_option("-o,--output", o.page, "the page; else the scene's name with .html")->type_name("FILE");
+  app.add_option("--stats", o.statistics, "its figures as JSON")->type_name("FILE");
+  app.add_option("--trace", o.trace, "Chrome trace: Perfetto, speedscope")->type_name("FILE");
+}
+
+void add_compare_options(CLI::App& app, CompareOptions& o) {
+  app.add_option("-o,--output", o.page, "write an HTML page")->type_name("FILE");
+  add_parsed(app, "--budgets", "LIST", "lazily with these, too: 25%,64M (shares of all)",
+             [&o](const std::string& text) { o.budgets = parse_budgets(text); });
+  app.add_option("--runs", o.runs, "renderings of each; figures are medians")->check(CLI::Range(1, 1000));
+  app.add_flag("--json", o.json, "print JSON instead of a table");
 }
 
 void place_help_option(CLI::App& app) { app.get_help_ptr()->group(report_group); }

@@ -2,6 +2,7 @@
 // manual page and the completion of shells all come from here.
 #pragma once
 
+#include "renderer/cli/commands.h"
 #include "renderer/cli/render_command.h"
 
 #include <CLI/CLI.hpp>
@@ -23,6 +24,10 @@ void add_output_options(CLI::App& app, OutputOptions& o);
 
 // Puts -h among the others, so that the list fits a screen.
 void place_help_option(CLI::App& app);
+
+// Of the commands that report; beside the options of the scene.
+void add_profile_options(CLI::App& app, ProfileOptions& o);
+void add_compare_options(CLI::App& app, CompareOptions& o);
 
 // What only `render` has: AOVs, ways of expanding, limits, checkpoints, parts, reports. After the two above.
 void add_render_options(CLI::App& app, RenderOptions& o);

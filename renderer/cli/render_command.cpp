@@ -81,8 +81,13 @@ class ImageRender {
         limit_(threads_) {
     check_writable(film_path_);
     if (!options.statistics.empty()) check_writable(options.statistics);
+    if (!options.trace.empty()) check_writable(options.trace);
+    if (!options.trace.empty() && options.load.expand == ExpandMode::Flat)
+      throw UsageError("--trace shows the expansion of cells; --expand flat has none");
     const double loading_s = process_age_s();
-    loaded_ = load(options.scene, options.load);
+    LoadOptions load_options = options.load;
+    load_options.record = options.profile || !options.trace.empty();
+    loaded_ = load(options.scene, load_options);
     load_s_ = process_age_s() - loading_s;
     if (options.sample_range) settings().samples = int(options.sample_range->last - options.sample_range->first);
     if (!options.quiet) print_diagnostics(loaded_.warnings);
@@ -134,6 +139,7 @@ class ImageRender {
     result.progress = [this, &display](const RenderProgress& progress) {
       image_support_.want();
       display.update(progress);
+      memory_.add({process_age_s(), resident_bytes()});
     };
     result.snapshot_due = [this] { return snapshot_is_due(); };
     result.snapshot = [this] { take_snapshot(); };
@@ -231,6 +237,7 @@ class ImageRender {
 
   // Writes the files, then the reports.
   int finish(const SessionResult& result) {
+    std::optional<Recording> recorded = recording();
     const int interrupted =
         result.end == RenderEnd::Cancelled ? int(ExitCode::Interrupted) + interruption_->signal() : 0;
     if (result.samples == 0 && result.end != RenderEnd::Complete) {
@@ -242,11 +249,21 @@ class ImageRender {
     if (result.end == RenderEnd::Complete) remove_film();
     s.wall_s = process_age_s();
     s.peak_rss_bytes = peak_resident_bytes();
+    s.recording = std::move(recorded);
     if (!options_.statistics.empty()) write_file(options_.statistics, statistics_json(s));
+    if (!options_.trace.empty()) write_file(options_.trace, chrome_trace(*s.recording, load_s_, s.render_s));
     report(s, result.end);
     const bool faults = report_faults(s);
     if (interrupted) return interrupted;
     return int(faults || result.end == RenderEnd::TimeLimit ? ExitCode::Limit : ExitCode::Done);
+  }
+
+  // Nothing if nothing was recorded.
+  std::optional<Recording> recording() const {
+    std::optional<ExpansionProfile> profile = loaded_.scene->intersector->profile();
+    if (!profile) return {};
+    const double start_s = process_age_s() - profile->duration_s;
+    return Recording{std::move(*profile), start_s, memory_};
   }
 
   // The film file has served, unless it was asked for.
@@ -274,6 +291,7 @@ class ImageRender {
   double load_s_ = 0;
   std::optional<Interruption> interruption_;
   ImageSupport image_support_;
+  MemorySamples memory_;
   RenderSession* session_ = nullptr;  // while it runs
   FilmIdentity identity_;             // empty until somebody asks
   std::vector<std::string> history_;  // of the runs before

@@ -27,6 +27,8 @@ struct RenderOptions {
   bool resume = false;                             // go on from the film file if there is one
   std::vector<int> frames;                         // empty: one image
   std::string statistics;                          // JSON file; empty: none
+  std::string trace;                               // Chrome trace; empty: none
+  bool profile = false;                            // the statistics then hold what was recorded; implied by `trace`
   std::optional<ProgressDisplay::Style> progress;  // none: what suits standard error
   bool quiet = false, verbose = false;
   std::string command_line;  // for metadata

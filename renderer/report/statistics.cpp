@@ -2,6 +2,7 @@
 
 #include "geometry/base/sha256.h"
 #include "renderer/language/json_writer.h"
+#include "renderer/report/hints.h"
 #include "renderer/report/json_value.h"
 #include "renderer/report/version.h"
 
@@ -60,6 +61,15 @@ Value expansion_value(const ExpansionStatistics& e) {
                        {"by_step", json::array(std::move(steps))}});
 }
 
+Value hints_value(const std::vector<Hint>& hints) {
+  std::vector<Value> list;
+  for (const Hint& hint : hints)
+    list.push_back(json::object({{"about", json::text(hint.about)},
+                                 {"text", json::text(hint.text)},
+                                 {"advice", json::boolean(hint.is_advice)}}));
+  return json::array(std::move(list));
+}
+
 std::string format_rate(double per_second) {
   return per_second >= 1e6 ? fmt::format("{:.2f} M/s", per_second * 1e-6)
                            : fmt::format("{:.1f} k/s", per_second * 1e-3);
@@ -73,26 +83,35 @@ std::string image_sha256(const Image& image) {
   return hash.finish();
 }
 
-std::string statistics_json(const RenderStatistics& s) {
-  return to_json(json::object({{"version", json::text(version)},
-                               {"scene", json::text(s.scene)},
-                               {"scene_sha256", json::text(s.scene_sha256)},
-                               {"command", json::text(s.command)},
-                               {"expand", json::text(s.expand)},
-                               {"wall_s", seconds(s.wall_s)},
-                               {"first_pixel_s", s.first_pixel_s ? seconds(*s.first_pixel_s) : Value{}},
-                               {"load_s", seconds(s.load_s)},
-                               {"render_s", seconds(s.render_s)},
-                               {"peak_rss_bytes", json::count(s.peak_rss_bytes)},
-                               {"threads", json::number(s.threads)},
-                               {"rays", rays_value(s)},
-                               {"rays_per_s", json::number(std::round(s.rays_per_s()))},
-                               {"samples", json::number(s.samples)},
-                               {"samples_taken", json::count(s.samples_taken)},
-                               {"interrupted", json::boolean(s.interrupted)},
-                               {"image", image_value(s.image)},
-                               {"expansion", expansion_value(s.expansion)}})) +
-         "\n";
+PhaseTimes statistics_phases(const RenderStatistics& s) {
+  return phase_times(s.recording->expansion, s.load_s, s.render_s, s.threads, s.expand != "lazy");
+}
+
+std::string statistics_json(const RenderStatistics& s) { return to_json(statistics_value(s)) + "\n"; }
+
+Value statistics_value(const RenderStatistics& s) {
+  Value value = json::object({{"version", json::text(version)},
+                              {"scene", json::text(s.scene)},
+                              {"scene_sha256", json::text(s.scene_sha256)},
+                              {"command", json::text(s.command)},
+                              {"expand", json::text(s.expand)},
+                              {"wall_s", seconds(s.wall_s)},
+                              {"first_pixel_s", s.first_pixel_s ? seconds(*s.first_pixel_s) : Value{}},
+                              {"load_s", seconds(s.load_s)},
+                              {"render_s", seconds(s.render_s)},
+                              {"peak_rss_bytes", json::count(s.peak_rss_bytes)},
+                              {"threads", json::number(s.threads)},
+                              {"rays", rays_value(s)},
+                              {"rays_per_s", json::number(std::round(s.rays_per_s()))},
+                              {"samples", json::number(s.samples)},
+                              {"samples_taken", json::count(s.samples_taken)},
+                              {"interrupted", json::boolean(s.interrupted)},
+                              {"image", image_value(s.image)},
+                              {"expansion", expansion_value(s.expansion)}});
+  if (!s.recording) return value;
+  value.members.push_back({"profile", {}, recording_value(*s.recording, statistics_phases(s))});
+  value.members.push_back({"hints", {}, hints_value(hints_of(s))});
+  return value;
 }
 
 std::string summary(const RenderStatistics& s) {

@@ -4,6 +4,7 @@
 
 #include "geometry/base/statistics.h"
 #include "renderer/image/image.h"
+#include "renderer/report/recording.h"
 #include "renderer/scene/interfaces.h"
 
 #include <cstdint>
@@ -35,6 +36,7 @@ struct RenderStatistics {
   bool interrupted = false;
   ImageStatistics image;
   ExpansionStatistics expansion;
+  std::optional<Recording> recording;  // if it was asked for
 
   std::uint64_t total_rays() const { return rays.camera + rays.bounce + rays.shadow; }
   double rays_per_s() const { return render_s > 0 ? double(total_rays()) / render_s : 0; }
@@ -43,7 +45,11 @@ struct RenderStatistics {
 // Of the bytes of the pixels, row by row, as 32-bit little-endian floats: equal images have equal digests.
 std::string image_sha256(const Image& image);
 
+// With what was recorded, and with hints, if there is a recording.
+Value statistics_value(const RenderStatistics& s);
 std::string statistics_json(const RenderStatistics& s);
+// Of the recording, which there must be.
+PhaseTimes statistics_phases(const RenderStatistics& s);
 
 // One line for every render: size, times, rays, memory, expansion.
 std::string summary(const RenderStatistics& s);

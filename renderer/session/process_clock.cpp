@@ -37,17 +37,22 @@ double process_start_s() {
   return start <= now && now - start < 60 ? start : now;
 }
 
+// A field of /proc/self/status that is given in kB.
+std::uint64_t status_bytes(const std::string& field) {
+  std::ifstream in("/proc/self/status");
+  for (std::string line; std::getline(in, line);)
+    if (line.starts_with(field)) return std::stoull(line.substr(field.size())) * 1024;
+  return 0;
+}
+
 const double started_s = process_start_s();
 
 }  // namespace
 
 double process_age_s() { return boot_clock_s() - started_s; }
 
-std::uint64_t peak_resident_bytes() {
-  std::ifstream in("/proc/self/status");
-  for (std::string line; std::getline(in, line);)
-    if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024;
-  return 0;
-}
+std::uint64_t peak_resident_bytes() { return status_bytes("VmHWM:"); }
+
+std::uint64_t resident_bytes() { return status_bytes("VmRSS:"); }
 
 }  // namespace meristem

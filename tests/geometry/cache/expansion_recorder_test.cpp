@@ -65,7 +65,7 @@ class RecordedCache {
     cache_.acquire(slots_[cell], nullptr, [&] {
       const double start_s = recorder_.now_s();
       recorder_.add_expansion({class_, start_s, start_s, recorder_.now_s(), 16, 100, 3});
-      return std::make_unique<Entry>(CellLabel{cell, class_, true, 40}, 100);
+      return std::make_unique<Entry>(CellLabel{cell + 1, class_, true, 40}, 100);
     });
     cache_.leave();
   }
@@ -93,13 +93,14 @@ TEST(ExpansionRecorder, CountsWhatTheCacheCounts) {
   const ExpansionProfile p = cache.profile();
   const CacheStatistics s = cache.statistics();
   EXPECT_GT(s.reexpansions, 20u);
-  ASSERT_EQ(p.classes.size(), 1u);
-  EXPECT_EQ(p.classes[0].expanded, s.expansions);
-  EXPECT_EQ(p.classes[0].reexpanded, s.reexpansions);
-  EXPECT_EQ(p.classes[0].evicted, s.evictions);
-  EXPECT_EQ(p.classes[0].bytes, s.expansions * 100);
-  EXPECT_EQ(p.classes[0].faces, s.expansions * 16);
-  EXPECT_EQ(p.classes[0].mean_box_ratio(), 3);
+  ASSERT_EQ(p.classes.size(), 2u);
+  EXPECT_EQ(p.classes[0].expanded, 0u);
+  EXPECT_EQ(p.classes[1].expanded, s.expansions);
+  EXPECT_EQ(p.classes[1].reexpanded, s.reexpansions);
+  EXPECT_EQ(p.classes[1].evicted, s.evictions);
+  EXPECT_EQ(p.classes[1].bytes, s.expansions * 100);
+  EXPECT_EQ(p.classes[1].faces, s.expansions * 16);
+  EXPECT_EQ(p.classes[1].mean_box_ratio(), 3);
   EXPECT_EQ(p.reuse.reexpanded, double(s.reexpansions));
   EXPECT_EQ(p.latency.total(), s.expansions);
   EXPECT_EQ(sum(p, &TimelineBin::expanded), s.expansions);

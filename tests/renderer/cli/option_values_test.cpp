@@ -26,6 +26,16 @@ TEST(OptionValues, AmountsOfMemory) {
     EXPECT_THROW(parse_memory(text), UsageError) << text;
 }
 
+TEST(OptionValues, BudgetsAsSharesOrAmounts) {
+  const std::vector<BudgetChoice> budgets = parse_budgets("25%,64M,0.5%");
+  ASSERT_EQ(budgets.size(), 3u);
+  EXPECT_EQ(budgets[0].share, 0.25);
+  EXPECT_EQ(budgets[1].bytes, 64u << 20);
+  EXPECT_EQ(budgets[2].share, 0.005);
+  for (const char* text : {"0%", "101%", "-5%", "x%", "%", "5%%", "nan%", "64X", "25%,,10%"})
+    EXPECT_THROW(parse_budgets(text), UsageError) << text;
+}
+
 TEST(OptionValues, Crops) {
   EXPECT_EQ(parse_crop("1,2,30,40"), (PixelWindow{1, 2, 30, 40}));
   for (const char* text : {"", "1,2,3", "1,2,3,4,5", "5,0,5,9", "0,5,9,4", "-1,0,5,5", "1;2;3;4", "1,2,3,4,"})

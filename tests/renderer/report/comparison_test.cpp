@@ -37,7 +37,7 @@ class FakeRenderer {
     write_file(folder_ / (mode + ".json"),
                "{\"wall_s\": 2.5, \"first_pixel_s\": 0.5, \"peak_rss_bytes\": 1048576, \"image\": {\"sha256\": \"x\"}, "
                "\"expansion\": {\"faces\": " +
-                   std::to_string(faces) + ", \"cells_expanded\": 4}}");
+                   std::to_string(faces) + ", \"cells_expanded\": 4, \"resident_bytes_peak\": 8000}}");
   }
   void fail(const std::string& mode, int code) const { write_file(folder_ / (mode + ".code"), std::to_string(code)); }
   // Ends so, with an image.
@@ -60,27 +60,27 @@ TEST(Comparison, GathersFiguresAndDifferences) {
   const FakeRenderer renderer;
   renderer.prepare("flat", {2, 1, 4, {1, 2, 3, 1, 4, 5.5f, 6, 1}}, 900);
   const Comparison c = compare_modes(renderer.options(1));
-  ASSERT_EQ(c.modes.size(), 3u);
+  ASSERT_EQ(c.variants.size(), 3u);
   EXPECT_EQ(c.exit_code(), 0);
   EXPECT_EQ(c.pixels, 2u);
-  EXPECT_EQ(c.modes[0].wall_s, 2.5);
-  EXPECT_EQ(c.modes[0].first_pixel_s, 0.5);
-  EXPECT_FALSE(c.modes[0].difference);
-  EXPECT_TRUE(c.modes[1].difference->identical());
-  EXPECT_EQ(c.modes[2].faces, 900u);
-  EXPECT_EQ(c.modes[2].difference->differing, 1u);
-  EXPECT_EQ(c.modes[2].difference->max, 0.5);
+  EXPECT_EQ(c.variants[0].median(&RunFigures::wall_s), 2.5);
+  EXPECT_EQ(c.variants[0].median(&RunFigures::first_pixel_s), 0.5);
+  EXPECT_FALSE(c.variants[0].difference);
+  EXPECT_TRUE(c.variants[1].difference->identical());
+  EXPECT_EQ(c.variants[2].median(&RunFigures::faces), 900u);
+  EXPECT_EQ(c.variants[2].difference->differing, 1u);
+  EXPECT_EQ(c.variants[2].difference->max, 0.5);
   const std::string table = comparison_table(c), json = comparison_json(c);
-  EXPECT_NE(
-      table.find("flat         0.50 s     2.50 s      1.0 MiB              900          0.5        0.177            1"),
-      std::string::npos)
+  EXPECT_NE(table.find("flat                         0.50 s     2.50 s      1.0 MiB              900          0.5      "
+                       "  0.177            1"),
+            std::string::npos)
       << table;
   EXPECT_NE(json.find("\"differing_pixels\": 1"), std::string::npos) << json;
 }
 
 TEST(Comparison, ModesTakeTurnsAndOptionsArePassedOn) {
   const FakeRenderer renderer;
-  EXPECT_EQ(compare_modes(renderer.options(2)).modes[2].runs, 2);
+  EXPECT_EQ(compare_modes(renderer.options(2)).variants[2].runs.size(), 2u);
   const std::string end = "--quiet --samples 4\n";
   std::string order;
   std::istringstream calls(renderer.calls());
@@ -92,14 +92,49 @@ TEST(Comparison, ModesTakeTurnsAndOptionsArePassedOn) {
   EXPECT_EQ(order, "lazy eager flat lazy eager flat ");
 }
 
+TEST(Comparison, BudgetsAreSharesOfWhatAllGeometryTakes) {
+  const FakeRenderer renderer;
+  ComparisonOptions options = renderer.options(1);
+  options.budgets = {{.share = 0.25}, {.bytes = 1000}};
+  const Comparison c = compare_modes(options);
+  ASSERT_EQ(c.variants.size(), 5u);
+  EXPECT_EQ(c.variants[1].budget.bytes, 2000u);
+  EXPECT_EQ(c.variants[1].name, "lazy 25 % (2.0 KiB)");
+  EXPECT_EQ(c.variants[2].name, "lazy 1000 B");
+  EXPECT_NE(renderer.calls().find("--quiet --samples 4 --budget 2000\n"), std::string::npos) << renderer.calls();
+  EXPECT_NE(renderer.calls().find("--quiet --samples 4 --budget 1000\n"), std::string::npos);
+}
+
+TEST(Comparison, RecordedRenderingsAreNotTimed) {
+  const FakeRenderer renderer;
+  ComparisonOptions options = renderer.options(1);
+  options.record = true;
+  const Comparison c = compare_modes(options);
+  EXPECT_TRUE(c.variants[0].statistics && c.variants[1].statistics);
+  EXPECT_FALSE(c.variants[2].statistics);
+  EXPECT_EQ(c.variants[0].runs.size(), 1u);
+  EXPECT_NE(renderer.calls().find("--samples 4 --profile\n"), std::string::npos) << renderer.calls();
+}
+
+TEST(Comparison, SaysInWordsWhatItShows) {
+  const FakeRenderer renderer;
+  renderer.prepare("flat", {2, 1, 4, {1, 2, 3, 1, 0, 5.5f, 6, 1}}, 900);
+  const std::vector<std::string> words = comparison_words(compare_modes(renderer.options(1)));
+  ASSERT_EQ(words.size(), 3u);
+  EXPECT_EQ(words[0],
+            "Against eager, lazy shows its first pixel 1.0 times sooner (after 0.50 s, not 0.50 s), is done 1.0 "
+            "times sooner, and holds 0 % less memory.");
+  EXPECT_TRUE(words[2].starts_with("Not all images are the same: flat differs from lazy in 1 of 2 pixels")) << words[2];
+}
+
 TEST(Comparison, AFailedModeIsReportedAndTheOthersGoOn) {
   const FakeRenderer renderer;
   renderer.fail("eager", 1);
   const Comparison c = compare_modes(renderer.options(2));
   EXPECT_EQ(c.exit_code(), 1);
-  EXPECT_EQ(c.modes[1].runs, 0);
-  EXPECT_EQ(c.modes[2].runs, 2);
-  EXPECT_NE(comparison_table(c).find("eager  failed with exit code 1"), std::string::npos);
+  EXPECT_EQ(c.variants[1].runs.size(), 0u);
+  EXPECT_EQ(c.variants[2].runs.size(), 2u);
+  EXPECT_NE(comparison_table(c).find("eager                  failed with exit code 1"), std::string::npos);
 }
 
 TEST(Comparison, FaultsAreSaidAndTheImageIsCompared) {
@@ -107,7 +142,7 @@ TEST(Comparison, FaultsAreSaidAndTheImageIsCompared) {
   renderer.end("flat", 3);
   const Comparison c = compare_modes(renderer.options(1));
   EXPECT_EQ(c.exit_code(), 3);
-  EXPECT_TRUE(c.modes[2].difference->identical());
+  EXPECT_TRUE(c.variants[2].difference->identical());
   EXPECT_NE(comparison_table(c).find("flat: rendered with faults"), std::string::npos);
 }
 
@@ -116,8 +151,8 @@ TEST(Comparison, AnInterruptionEndsIt) {
   renderer.fail("eager", 130);
   const Comparison c = compare_modes(renderer.options(2));
   EXPECT_EQ(c.exit_code(), 130);
-  EXPECT_EQ(c.modes[0].runs, 1);
-  EXPECT_EQ(c.modes[2].runs, 0);
+  EXPECT_EQ(c.variants[0].runs.size(), 1u);
+  EXPECT_EQ(c.variants[2].runs.size(), 0u);
 }
 
 }  // namespace
