@@ -238,8 +238,8 @@ MERISTEM_INLINE void octaves(const KernelCall& c, int lanes, Noise noise, Shape 
   for_operands<5>(
       c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
         Point p = clamp_point(point_at(a, i));
-        const F lacunarity = clamp(at(a[3], i), splat(-max_lacunarity), splat(max_lacunarity));
-        const F gain = clamp(at(a[4], i), splat(-max_gain), splat(max_gain));
+        const F lacunarity = limit(at(a[3], i), max_lacunarity);
+        const F gain = limit(at(a[4], i), max_gain);
         F amplitude = splat(noise_scale);
         decltype(noise(cell_of(p))) sum{};
         for (int k = 0; k < count; ++k) {
@@ -352,7 +352,10 @@ constexpr Kernel Rand = nullptr;
 
 }  // namespace kernel
 
-constexpr KernelTable table = {MERISTEM_LANES == 8 ? "AVX2" : "SSE4.2",
+constexpr KernelTable table = {width == 16  ? "AVX-512"
+                               : width == 8 ? "AVX2"
+                                            : "SSE4.2",
+                               width,
                                {
 #define X(name) kernel::name,
                                    MERISTEM_OPS(X)

@@ -1,5 +1,5 @@
-// Kernels: one function an operation, over many lanes, in two builds: for the baseline of the project (SSE4.2) and for
-// AVX2 with FMA. Both give the same bits. Pure functions; any thread.
+// Kernels: one function an operation, over many lanes, in three builds: for the baseline of the project (SSE4.2), for
+// AVX2 with FMA and for AVX-512. All give the same bits. Pure functions; any thread.
 #pragma once
 
 #include "geometry/base/key.h"
@@ -7,10 +7,11 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 namespace meristem {
 
-constexpr int lane_group = 8;  // kernels work on a multiple of so many lanes
+constexpr int lane_group = 16;  // the most lanes that a kernel works on at once
 
 // Where an operand's lanes are: step_mask -1: one float a lane; 0: lane_group equal floats that stand for all lanes.
 struct Operand {
@@ -35,12 +36,14 @@ using Kernel = void (*)(const KernelCall& call, int lanes);
 
 struct KernelTable {
   const char* name;
+  int lanes;                                   // kernels work on a multiple of so many
   std::array<Kernel, kernel_count> functions;  // by Op; null for Rand, which needs keys
 };
 
 const KernelTable& baseline_kernels();
-const KernelTable& avx2_kernels();  // only to be called where avx2_supported()
-bool avx2_supported();
-const KernelTable& best_kernels();  // of this machine
+const KernelTable& avx2_kernels();
+const KernelTable& avx512_kernels();
+std::span<const KernelTable* const> usable_kernels();  // those that this machine can run, the best one last
+const KernelTable& best_kernels();
 
 }  // namespace meristem

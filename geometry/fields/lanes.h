@@ -1,6 +1,7 @@
-// Lanes: the few vector operations that the kernels of the expression language are written in, over 4 lanes (SSE4.2) or
-// 8 lanes (AVX2 and FMA). Every operation acts on each lane by itself and is exact or correctly rounded, and products
-// and sums are fused only where fused() says so, so a lane gets the same bits with either width and at any position.
+// Lanes: the few vector operations that the kernels of the expression language are written in, over 4 lanes (SSE4.2),
+// 8 lanes (AVX2 and FMA) or 16 lanes (AVX-512). Every operation acts on each lane by itself and is exact or correctly
+// rounded, and products and sums are fused only where fused() says so, so a lane gets the same bits with any width and
+// at any position.
 //
 // Only for the kernels_*.cpp files, which define MERISTEM_LANES first; everything is local to them.
 #pragma once
@@ -11,10 +12,18 @@
 #ifndef MERISTEM_LANES
 #error "lanes.h is only for the kernels"
 #endif
-#if MERISTEM_LANES == 8
-#pragma GCC target("avx2,fma")  // after the includes: inline functions of other headers must stay at the baseline
+// After the includes: inline functions of other headers must stay at the baseline.
+#if MERISTEM_LANES == 16
+#pragma GCC target("avx2,fma,avx512f,avx512dq,avx512bw,avx512vl")
+#elif MERISTEM_LANES == 8
+#pragma GCC target("avx2,fma")
 #endif
 #pragma GCC diagnostic ignored "-Wunused-function"
+#if MERISTEM_LANES == \
+    16  // GCC's own header says `__Y = __Y` for operands that a full mask makes unused: GCC bug 105593
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 
 namespace meristem {
 namespace {
@@ -38,8 +47,36 @@ MERISTEM_INLINE I splat(std::int32_t v) { return I{} + v; }
 MERISTEM_INLINE D splat(double v) { return D{} + v; }
 
 // Like the instructions, min and max give b if either is NaN. blend takes b where the top bit of mask is set. truncate
-// gives INT_MIN where the value does not fit.
-#if MERISTEM_LANES == 8
+// gives INT_MIN where the value does not fit. floor(a, whole) gives truncate(floor(a)) too.
+#if MERISTEM_LANES == 16
+constexpr int down = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC, up = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC,
+              to_zero = _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC;
+MERISTEM_INLINE F min(F a, F b) { return _mm512_min_ps(a, b); }
+MERISTEM_INLINE F max(F a, F b) { return _mm512_max_ps(a, b); }
+MERISTEM_INLINE D min(D a, D b) { return _mm512_min_pd(a, b); }
+MERISTEM_INLINE D max(D a, D b) { return _mm512_max_pd(a, b); }
+MERISTEM_INLINE F floor(F a) { return _mm512_roundscale_ps(a, down); }
+MERISTEM_INLINE F ceil(F a) { return _mm512_roundscale_ps(a, up); }
+MERISTEM_INLINE F trunc(F a) { return _mm512_roundscale_ps(a, to_zero); }
+MERISTEM_INLINE D floor(D a) { return _mm512_roundscale_pd(a, down); }
+MERISTEM_INLINE D trunc(D a) { return _mm512_roundscale_pd(a, to_zero); }
+MERISTEM_INLINE F sqrt(F a) { return _mm512_sqrt_ps(a); }
+MERISTEM_INLINE D sqrt(D a) { return _mm512_sqrt_pd(a); }
+MERISTEM_INLINE I truncate(F a) { return I(_mm512_cvttps_epi32(a)); }
+MERISTEM_INLINE U exclusive_or(U a, U b, U c) {
+  return U(_mm512_ternarylogic_epi32(__m512i(a), __m512i(b), __m512i(c), 0x96));
+}
+MERISTEM_INLINE F fused(F a, F b, F c) { return _mm512_fmadd_ps(a, b, c); }
+MERISTEM_INLINE F to_float(I a) { return _mm512_cvtepi32_ps(__m512i(a)); }
+MERISTEM_INLINE F floor(F a, I& whole) { return to_float(whole = I(_mm512_cvt_roundps_epi32(a, down))); }
+MERISTEM_INLINE F blend(F a, F b, I mask) { return _mm512_mask_blend_ps(_mm512_movepi32_mask(__m512i(mask)), a, b); }
+MERISTEM_INLINE D blend(D a, D b, L mask) { return _mm512_mask_blend_pd(_mm512_movepi64_mask(__m512i(mask)), a, b); }
+MERISTEM_INLINE D lower_half(F a) { return _mm512_cvtps_pd(_mm512_castps512_ps256(a)); }
+MERISTEM_INLINE D upper_half(F a) { return _mm512_cvtps_pd(_mm512_extractf32x8_ps(a, 1)); }
+MERISTEM_INLINE F join(D lower, D upper) {
+  return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(lower)), _mm512_cvtpd_ps(upper), 1);
+}
+#elif MERISTEM_LANES == 8
 MERISTEM_INLINE F min(F a, F b) { return _mm256_min_ps(a, b); }
 MERISTEM_INLINE F max(F a, F b) { return _mm256_max_ps(a, b); }
 MERISTEM_INLINE D min(D a, D b) { return _mm256_min_pd(a, b); }
@@ -82,6 +119,15 @@ MERISTEM_INLINE D upper_half(F a) { return _mm_cvtps_pd(_mm_movehl_ps(a, a)); }
 MERISTEM_INLINE F join(D lower, D upper) { return _mm_movelh_ps(_mm_cvtpd_ps(lower), _mm_cvtpd_ps(upper)); }
 #endif
 
+#if MERISTEM_LANES != 16
+MERISTEM_INLINE F floor(F a, I& whole) {
+  a = floor(a);
+  whole = truncate(a);
+  return a;
+}
+MERISTEM_INLINE U exclusive_or(U a, U b, U c) { return a ^ b ^ c; }
+#endif
+
 // fused: a * b + c, rounded once. The baseline has no such instruction: there the product is exact in double, and the
 // sum is rounded to odd (Boldo and Melquiond 2008, "Emulation of FMA and correctly rounded sums"), so that rounding it
 // again, to float, is as if it were the first time.
@@ -99,13 +145,25 @@ MERISTEM_INLINE F fused(F a, F b, F c) {
 }
 #endif
 
-constexpr float largest = 3.40282347e38f;
-
 MERISTEM_INLINE F clamp(F a, F lower, F upper) { return min(max(a, lower), upper); }
 MERISTEM_INLINE D clamp(D a, D lower, D upper) { return min(max(a, lower), upper); }
+// Clamps to +-bound.
+#if MERISTEM_LANES == 16
+constexpr int smaller_magnitude_with_sign_of_first = 2;
+MERISTEM_INLINE F limit(F a, float bound) {
+  return _mm512_range_ps(a, splat(bound), smaller_magnitude_with_sign_of_first);
+}
+MERISTEM_INLINE D limit(D a, double bound) {
+  return _mm512_range_pd(a, splat(bound), smaller_magnitude_with_sign_of_first);
+}
+#else
+MERISTEM_INLINE F limit(F a, float bound) { return clamp(a, splat(-bound), splat(bound)); }
+MERISTEM_INLINE D limit(D a, double bound) { return clamp(a, splat(-bound), splat(bound)); }
+#endif
 // Results are finite: what would overflow becomes the largest number of its sign.
-MERISTEM_INLINE F finite(F a) { return clamp(a, splat(-largest), splat(largest)); }
-MERISTEM_INLINE D finite(D a) { return clamp(a, splat(-double(largest)), splat(double(largest))); }
+constexpr float largest = 3.40282347e38f;
+MERISTEM_INLINE F finite(F a) { return limit(a, largest); }
+MERISTEM_INLINE D finite(D a) { return limit(a, double(largest)); }
 MERISTEM_INLINE F abs(F a) { return F(I(a) & splat(INT32_MAX)); }
 MERISTEM_INLINE D abs(D a) { return D(L(a) & (L{} + INT64_MAX)); }
 MERISTEM_INLINE F copy_sign(F magnitude, F sign) {

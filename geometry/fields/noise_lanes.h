@@ -19,10 +19,7 @@ struct Point {
 };
 
 // Beyond 2^23 every float is a lattice point and the noise is 0; the clamp keeps all arithmetic finite.
-MERISTEM_INLINE F clamp_coordinate(F a) { return clamp(a, splat(-0x1p24f), splat(0x1p24f)); }
-MERISTEM_INLINE Point clamp_point(Point p) {
-  return {clamp_coordinate(p.x), clamp_coordinate(p.y), clamp_coordinate(p.z)};
-}
+MERISTEM_INLINE Point clamp_point(Point p) { return {limit(p.x, 0x1p24f), limit(p.y, 0x1p24f), limit(p.z, 0x1p24f)}; }
 
 MERISTEM_INLINE F fade(F t) { return t * t * t * fused(t, fused(t, splat(6.0f), splat(-15.0f)), splat(10.0f)); }
 
@@ -35,9 +32,9 @@ struct Axis {
   MERISTEM_INLINE F mix(F a, F b) const { return fused(weight, b - a, a); }
 };
 MERISTEM_INLINE Axis axis_of(F a, std::uint32_t prime) {
-  const F cell = floor(a);
-  const F t = a - cell;
-  const U h = U(truncate(cell)) * prime;
+  I cell;
+  const F t = a - floor(a, cell);
+  const U h = U(cell) * prime;
   return {h, h + prime, t, t - 1.0f, fade(t)};
 }
 
@@ -56,14 +53,15 @@ MERISTEM_INLINE F corner(U hash, F x, F y, F z) {
 // In units of 1 / noise_scale.
 MERISTEM_INLINE F noise_at(const Cell& c, std::uint32_t seed) {
   const U x0 = c.x.hash0 ^ seed, x1 = c.x.hash1 ^ seed;
-  auto row = [&](U yz, F y, F z) __attribute__((always_inline)) {
-    return c.x.mix(corner(x0 ^ yz, c.x.offset0, y, z), corner(x1 ^ yz, c.x.offset1, y, z));
+  auto row = [&](U y_hash, U z_hash, F y, F z) __attribute__((always_inline)) {
+    return c.x.mix(corner(exclusive_or(y_hash, z_hash, x0), c.x.offset0, y, z),
+                   corner(exclusive_or(y_hash, z_hash, x1), c.x.offset1, y, z));
   };
   auto plane = [&](U z_hash, F z) __attribute__((always_inline)) {
-    return c.y.mix(row(c.y.hash0 ^ z_hash, c.y.offset0, z), row(c.y.hash1 ^ z_hash, c.y.offset1, z));
+    return c.y.mix(row(c.y.hash0, z_hash, c.y.offset0, z), row(c.y.hash1, z_hash, c.y.offset1, z));
   };
   const F sum = c.z.mix(plane(c.z.hash0, c.z.offset0), plane(c.z.hash1, c.z.offset1));
-  return clamp(sum, splat(-1 / noise_scale), splat(1 / noise_scale));
+  return limit(sum, 1 / noise_scale);
 }
 MERISTEM_INLINE F one_noise(const Cell& c) { return noise_at(c, 0); }
 MERISTEM_INLINE Point vector_noise(const Cell& c) {

@@ -6,6 +6,8 @@
 #include <bit>
 #include <cstring>
 #include <immintrin.h>
+#include <memory>
+#include <new>
 
 namespace meristem {
 
@@ -28,7 +30,7 @@ class FloatMode {
 
 int component_count(const Graph& graph, NodeId id) { return graph.is_vector(id) ? 3 : 1; }
 
-int padded(int lanes) { return (lanes + lane_group - 1) / lane_group * lane_group; }
+int padded(int lanes, int group) { return (lanes + group - 1) / group * group; }
 
 // rand(): the top 24 bits of hash(key, salt, occurrence, seed).
 void run_rand(const KernelCall& call, const Key* keys, Key salt, int count, int lanes) {
@@ -41,14 +43,33 @@ void run_rand(const KernelCall& call, const Key* keys, Key salt, int count, int 
 
 }  // namespace
 
+// Floats that begin on a cache line, so that no vector of a run lies across two. Growing forgets what they were.
+class AlignedFloats {
+ public:
+  void reserve(std::size_t count) {
+    if (count <= count_) return;
+    data_.reset(new (line) float[count]);
+    count_ = count;
+  }
+  float* data() { return data_.get(); }
+
+ private:
+  static constexpr std::align_val_t line{64};
+  struct Free {
+    void operator()(float* data) const { ::operator delete[](data, line); }
+  };
+  std::unique_ptr<float[], Free> data_;
+  std::size_t count_ = 0;
+};
+
 // Memory of one thread. `calls` are the instructions of the current block with their pointers.
 struct Program::Scratch {
   struct Call {
     KernelCall kernel_call;
     Op op;
   };
-  std::vector<float> registers;
-  std::vector<float> uniforms;  // lane_group equal floats: constants, then inputs, then values
+  AlignedFloats registers;
+  AlignedFloats uniforms;  // lane_group equal floats: constants, then inputs, then values
   std::vector<Operand> operands;
   std::vector<Call> calls;
   std::vector<const float*> input_lanes;
@@ -192,8 +213,8 @@ struct Program::Bindings {
     uniform_input.assign(p.inputs_.size(), 0);
     uniform_value.assign(p.value_registers_.size(), 0);
     const std::size_t slots = p.constants_.size() + p.inputs_.size() + p.value_registers_.size();
-    if (s.uniforms.size() < slots * lane_group) s.uniforms.resize(slots * lane_group);
-    if (s.registers.size() < p.register_count_ * run_lanes) s.registers.resize(p.register_count_ * run_lanes);
+    s.uniforms.reserve(slots * lane_group);
+    s.registers.reserve(p.register_count_ * run_lanes);
     if (s.operands.size() < p.operands_.size()) s.operands.resize(p.operands_.size());
     for (std::size_t i = 0; i < p.constants_.size(); ++i) std::fill_n(uniform_slot(i), lane_group, p.constants_[i]);
     for (std::size_t i = 0; i < p.inputs_.size(); ++i) {
@@ -270,7 +291,7 @@ void Program::run(const KernelTable& kernels, const Block& block, float* x, floa
   const std::array<float*, 3> out{x, y, z};
   for (int start = 0; start < block.count; start += run_lanes) {
     const int count = std::min(run_lanes, block.count - start);
-    bind_inputs(bindings, block, start, count);
+    bind_inputs(bindings, block, start, count, kernels.lanes);
     run_calls(kernels, block, scratch, start, count);
     for (int c = 0; c < result_components_; ++c) {
       const Operand from = bindings.operand(result_[std::size_t(c)]);
@@ -282,17 +303,17 @@ void Program::run(const KernelTable& kernels, const Block& block, float* x, floa
   }
 }
 
-// Points the operands that are varying inputs at the run's lanes. Those of a run that does not end with a group are
-// copied, and the last group filled up with the last lane.
-void Program::bind_inputs(Bindings& bindings, const Block& block, int start, int count) const {
+// Points the operands that are varying inputs at the run's lanes. Those of a run that does not end with a group (as
+// many lanes as the kernels take at once) are copied, and the last group filled up with the last lane.
+void Program::bind_inputs(Bindings& bindings, const Block& block, int start, int count, int group) const {
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     if (bindings.uniform_input[i]) continue;
     const Input& in = block.inputs[std::size_t(inputs_[i].slot)];
     const float* from = data_of(in, inputs_[i].component) + start;
-    if (count % lane_group != 0) {
+    if (count % group != 0) {
       float* to = bindings.register_of(inputs_[i].register_index);
       std::memcpy(to, from, std::size_t(count) * sizeof(float));
-      std::fill(to + count, to + padded(count), from[count - 1]);
+      std::fill(to + count, to + padded(count, group), from[count - 1]);
       from = to;
     }
     bindings.input_lanes[i] = from;
@@ -304,7 +325,7 @@ void Program::bind_inputs(Bindings& bindings, const Block& block, int start, int
 
 void Program::run_calls(const KernelTable& kernels, const Block& block, const Scratch& scratch, int start,
                         int count) const {
-  const int lanes = padded(count);
+  const int lanes = padded(count, kernels.lanes);
   for (const Scratch::Call& call : scratch.calls) {
     if (call.op == Op::Rand)
       run_rand(call.kernel_call, block.keys ? block.keys + start : nullptr, block.salt, count, lanes);

@@ -56,7 +56,7 @@ class Program {
   Source input(int slot, int component);
   void assign_registers();
 
-  void bind_inputs(Bindings& bindings, const Block& block, int start, int count) const;
+  void bind_inputs(Bindings& bindings, const Block& block, int start, int count, int group) const;
   void run_calls(const KernelTable& kernels, const Block& block, const Scratch& scratch, int start, int count) const;
 
   std::vector<float> constants_;

@@ -130,9 +130,8 @@ void bark() {
     return [&] { program.run(kernels, {int(c[0].size()), inputs}, v.out[0].data(), v.out[1].data(), v.out[2].data()); };
   };
   std::printf("0.6*scale*N*(abs(sin(8*PI*u)) + 0.3*fbm(6*P)), %zu vertices\n", c[0].size());
-  std::vector<Contender> contenders{{"plain C++", [&] { plain(v); }, {}},
-                                    {baseline_kernels().name, by(baseline_kernels()), {}}};
-  if (avx2_supported()) contenders.push_back({avx2_kernels().name, by(avx2_kernels()), {}});
+  std::vector<Contender> contenders{{"plain C++", [&] { plain(v); }, {}}};
+  for (const KernelTable* kernels : usable_kernels()) contenders.push_back({kernels->name, by(*kernels), {}});
   compare(std::move(contenders), c[0].size(), 101);
 }
 

@@ -38,9 +38,8 @@ TEST(Evaluation, HasTheSameBitsOnEveryInstructionSetAndForAnySplit) {
     const Results whole = run(program, baseline_kernels(), points, points.size());
     for (std::size_t piece : {1, 7, 64, 300})
       EXPECT_TRUE(same_bits(whole, run(program, baseline_kernels(), points, piece))) << text << " in " << piece;
-    if (avx2_supported()) {
-      EXPECT_TRUE(same_bits(whole, run(program, avx2_kernels(), points, points.size()))) << text;
-    }
+    for (const KernelTable* kernels : usable_kernels())
+      EXPECT_TRUE(same_bits(whole, run(program, *kernels, points, points.size()))) << text << " by " << kernels->name;
   }
 }
 
