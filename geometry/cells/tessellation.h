@@ -40,6 +40,20 @@ struct Tessellation {
   Bounds3f bounds() const;
 };
 
+// Calls visit(corners, origin) for every triangle. Grids are cut as Embree cuts their quads: along the diagonal from
+// the second corner to the third (RTC_GEOMETRY_TYPE_GRID).
+template <class Visit>
+void for_each_triangle(const Tessellation& t, const Visit& visit) {
+  for (std::size_t i = 0; i < t.triangles.size(); ++i) visit(t.triangles[i], t.triangle_sources[i].origin);
+  for (const Tessellation::Grid& grid : t.grids)
+    for (std::uint32_t y = 0; y + 1 < grid.height; ++y)
+      for (std::uint32_t x = 0; x + 1 < grid.width; ++x) {
+        const std::uint32_t a = grid.first_vertex + y * grid.width + x, b = a + 1, c = a + grid.width, d = c + 1;
+        visit(std::array{a, b, c}, grid.origin);
+        visit(std::array{b, d, c}, grid.origin);
+      }
+}
+
 // Where the vertices of a mesh lie that is shown as it is, and their normals: with `smoothing` on the limit surface of
 // that scheme, without, the mesh's own and the means of its face normals.
 LimitSurface shown_surface(const CellMesh& cell, const std::optional<RefineOptions>& smoothing);

@@ -4,10 +4,7 @@
 
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <string_view>
-#include <system_error>
 #include <unordered_map>
 
 namespace meristem {
@@ -15,9 +12,6 @@ namespace meristem {
 namespace {
 
 constexpr int max_errors = 20;
-constexpr std::uintmax_t max_file_bytes = std::uintmax_t(1)
-                                          << 30;  // fewer than 2^30 vertices and corners: 32 bits count them
-constexpr std::size_t max_face_corners = 1000;    // repeated vertices are looked for in quadratic time
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
@@ -26,7 +20,7 @@ class Reader {
   Reader(const std::shared_ptr<const SourceText>& source, Diagnostics& diagnostics)
       : source_(source), diagnostics_(diagnostics), at_(source->text.data()), end_(at_ + source->text.size()) {}
 
-  ObjMesh read() {
+  PolygonMesh read() {
     while (at_ < end_ && errors_ < max_errors) {
       read_statement(next_word());
       skip_line();
@@ -66,7 +60,8 @@ class Reader {
     const std::size_t first = mesh_.corner_positions.size();
     bool good = true;
     while (good && !at_line_end()) good = read_corner();
-    if (good) good = check_face(start, first);
+    if (good)
+      if (std::string defect = mesh_.face_defect(first); !defect.empty()) good = error(start, std::move(defect));
     if (!good) {
       mesh_.corner_positions.resize(first);
       mesh_.corner_uv.resize(first);
@@ -76,21 +71,9 @@ class Reader {
     mesh_.face_names.push_back(current_name());
   }
 
-  bool check_face(const char* start, std::size_t first) {
-    const std::size_t count = mesh_.corner_positions.size() - first;
-    if (count < 3) return error(start, fmt::format("a face needs at least 3 corners, found {}", count));
-    if (count > max_face_corners)
-      return error(start, fmt::format("a face has {} corners; at most {} are read", count, max_face_corners));
-    for (std::size_t i = first; i < first + count; ++i)
-      for (std::size_t j = i + 1; j < first + count; ++j)
-        if (mesh_.corner_positions[i] == mesh_.corner_positions[j])
-          return error(start, fmt::format("a face has vertex {} twice", mesh_.corner_positions[i] + 1));
-    return true;
-  }
-
   // p, p/t, p//n or p/t/n
   bool read_corner() {
-    std::uint32_t position = 0, uv = ObjMesh::none;
+    std::uint32_t position = 0, uv = PolygonMesh::none;
     if (!read_index(mesh_.positions.size(), "vertex", position)) return false;
     if (take('/')) {
       if (at_ < end_ && *at_ != '/' && !read_index(mesh_.uv.size(), "texture coordinate", uv)) return false;
@@ -204,7 +187,7 @@ class Reader {
   const char* at_;
   const char* end_;
   int errors_ = 0;
-  ObjMesh mesh_;
+  PolygonMesh mesh_;
   std::string group_, material_;
   std::unordered_map<std::string, std::uint32_t> name_index_;
   std::uint32_t name_ = 0;
@@ -213,24 +196,8 @@ class Reader {
 
 }  // namespace
 
-ObjMesh read_obj(const std::shared_ptr<const SourceText>& source, Diagnostics& diagnostics) {
+PolygonMesh read_obj(const std::shared_ptr<const SourceText>& source, Diagnostics& diagnostics) {
   return Reader(source, diagnostics).read();
-}
-
-ObjMesh load_obj(const std::string& path, const Location& where, Diagnostics& diagnostics) {
-  const auto fail = [&](std::string message) {
-    diagnostics.error(where, std::move(message));
-    return ObjMesh{};
-  };
-  std::error_code code;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, code);
-  if (code) return fail(fmt::format("cannot read \"{}\": {}", path, code.message()));
-  if (bytes > max_file_bytes)
-    return fail(fmt::format("\"{}\" has {} bytes; at most {} are read", path, bytes, max_file_bytes));
-  auto source = std::make_shared<SourceText>(SourceText{path, std::string(std::size_t(bytes), '\0')});
-  std::ifstream file(path, std::ios::binary);
-  if (!file.read(source->text.data(), std::streamsize(bytes))) return fail(fmt::format("cannot read \"{}\"", path));
-  return read_obj(source, diagnostics);
 }
 
 }  // namespace meristem

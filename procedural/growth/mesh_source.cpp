@@ -1,6 +1,6 @@
 #include "procedural/growth/mesh_source.h"
 
-#include "geometry/io/obj_reader.h"
+#include "geometry/io/mesh_file.h"
 
 #include <fmt/format.h>
 
@@ -62,8 +62,8 @@ int index_of_name(std::vector<std::string>& names, const std::string& name) {
 }
 
 MeshSource::MeshSource(Params& params) {
-  file_ =
-      params.text("file", "", "an OBJ file beside the scene, instead of vertices and polygons; groups are the names");
+  file_ = params.text("file", "",
+                      "an OBJ or PLY file beside the scene, instead of vertices and polygons; groups are the names");
   const Value* vertices = params.raw("vertices", false, points_schema, "positions");
   const Value* polygons =
       params.raw("polygons", false, polygons_schema, "indices of vertices, counter-clockwise seen from outside");
@@ -121,15 +121,15 @@ void MeshSource::read_polygons(const Value& list, const Value* names, Diagnostic
 }
 
 NamedMesh MeshSource::load_file(const std::string& folder, Diagnostics& diagnostics) const {
-  const ObjMesh obj = load_obj((std::filesystem::path(folder) / file_).string(), location_, diagnostics);
+  const PolygonMesh mesh = load_mesh((std::filesystem::path(folder) / file_).string(), location_, diagnostics);
   NamedMesh result;
-  result.faces.vertices = obj.positions;
-  result.names = obj.names;
-  result.has_uv = std::find(obj.corner_uv.begin(), obj.corner_uv.end(), ObjMesh::none) == obj.corner_uv.end();
-  for (std::uint32_t f = 0; f < obj.face_count(); ++f) {
-    for (std::uint32_t c = obj.face_starts[f]; c < obj.face_starts[f + 1]; ++c)
-      result.faces.add_corner(obj.corner_positions[c], result.has_uv ? obj.uv[obj.corner_uv[c]] : Vec2d{});
-    result.faces.end_face(int(obj.face_names[f]));
+  result.faces.vertices = mesh.positions;
+  result.names = mesh.names;
+  result.has_uv = std::find(mesh.corner_uv.begin(), mesh.corner_uv.end(), PolygonMesh::none) == mesh.corner_uv.end();
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    for (std::uint32_t c = mesh.face_starts[f]; c < mesh.face_starts[f + 1]; ++c)
+      result.faces.add_corner(mesh.corner_positions[c], result.has_uv ? mesh.uv[mesh.corner_uv[c]] : Vec2d{});
+    result.faces.end_face(int(mesh.face_names[f]));
   }
   return result;
 }

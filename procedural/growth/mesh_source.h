@@ -1,5 +1,5 @@
-// MeshSource: a polygon mesh with named faces that the user writes down, inline or as an OBJ file beside the scene; for
-// the template "mesh" and the base "mesh".
+// MeshSource: a polygon mesh with named faces that the user writes down, inline or as an OBJ or PLY file beside the
+// scene; for the template "mesh" and the base "mesh".
 //
 //   "vertices": [[0,0,0], ...], "polygons": [[0,1,2,3], ...], "names": ["socket", "tip", ...], "uv": [[0,0], ...]
 //   "file": "leaf.obj"

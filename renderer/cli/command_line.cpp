@@ -37,6 +37,7 @@ class CommandLine {
     add_merge();
     add_profile();
     add_compare();
+    add_export();
     add_check();
     add_describe();
     app_.add_subcommand("schema", "the JSON Schema of scene files, for editors")->final_callback([this] {
@@ -104,6 +105,14 @@ class CommandLine {
     });
   }
 
+  void add_export() {
+    CLI::App& command = *app_.add_subcommand("export", "write the expanded geometry as a mesh file");
+    add_scene_argument(command, exported_.scene);
+    add_export_options(command, exported_);
+    add_view_options(command, exported_.load);
+    command.final_callback([this] { exit_code_ = export_command(exported_, load_); });
+  }
+
   void add_check() {
     CLI::App& command = *app_.add_subcommand("check", "load a scene and report its errors; renders nothing");
     add_scene_argument(command, checked_scene_);
@@ -130,6 +139,7 @@ class CommandLine {
   CompareOptions compare_;
   ProfileOptions profile_;
   MergeOptions merge_;
+  ExportOptions exported_;
   std::string checked_scene_, described_;
   bool describe_markdown_ = false;
   int exit_code_ = 0;

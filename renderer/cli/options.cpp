@@ -113,28 +113,33 @@ void add_scene_argument(CLI::App& app, std::string& scene) {
   app.add_option("SCENE", scene, "scene file; - for standard input")->required();
 }
 
-void add_scene_options(CLI::App& app, RenderOptions& o) {
+void add_view_options(CLI::App& app, LoadOptions& o) {
   const auto add = [&](CLI::Option* option, const char* type) { option->type_name(type)->group(scene_group); };
   const auto size = [&o](const std::string& text) {
     const auto [width, height] = parse_size(text);
-    o.load.width = width;
-    o.load.height = height;
+    o.width = width;
+    o.height = height;
   };
+  add(add_parsed(app, "--size", "WxH", "image size in pixels", size), "WxH");
+  add(app.add_option("--camera", o.camera, "one of the scene's cameras"), "NAME");
+  add(app.add_option("--detail", o.detail, "wanted size of faces in pixels; 0: everything")
+          ->check(CLI::Range(0.0, 1024.0)),
+      "PX");
+  add(repeatable(app.add_option("--set", o.set, "override a value: /camera/fov=35; repeatable")), "/PATH=VALUE");
+}
+
+void add_scene_options(CLI::App& app, RenderOptions& o) {
+  const auto add = [&](CLI::Option* option, const char* type) { option->type_name(type)->group(scene_group); };
   add(app.add_option("--samples", o.load.samples, "samples a pixel")->check(CLI::Range(1, 1 << 20)), "N");
   add(app.add_option("--noise", o.load.noise, "quieter pixels stop: 0.01 clean, 0.05 grainy")
           ->check(CLI::Range(0.0, 1.0)),
       "LIMIT");
-  add(add_parsed(app, "--size", "WxH", "image size in pixels", size), "WxH");
+  add_view_options(app, o.load);
   add(add_parsed(app, "--crop", "", "render this part alone, in pixels",
                  [&o](const std::string& t) { o.crop = parse_crop(t); }),
       "X0,Y0,X1,Y1");
-  add(app.add_option("--camera", o.load.camera, "one of the scene's cameras"), "NAME");
-  add(app.add_option("--detail", o.load.detail, "wanted size of faces in pixels; 0: everything")
-          ->check(CLI::Range(0.0, 1024.0)),
-      "PX");
   add(app.add_option("--seed", o.load.seed, "of all random numbers"), "N");
   add(app.add_option("--max-depth", o.load.max_depth, "bounces of a path")->check(CLI::Range(0, 1024)), "N");
-  add(repeatable(app.add_option("--set", o.load.set, "override a value: /camera/fov=35; repeatable")), "/PATH=VALUE");
   add(app.add_option("--threads", o.load.threads, "0: all processors")->check(CLI::Range(0, 1024)), "N");
   add(add_parsed(app, "--budget", "", "memory of the geometry cache: 512M, 2G",
                  [&o](const std::string& t) { o.load.budget_bytes = parse_memory(t); }),
@@ -183,6 +188,17 @@ void add_compare_options(CLI::App& app, CompareOptions& o) {
              [&o](const std::string& text) { o.budgets = parse_budgets(text); });
   app.add_option("--runs", o.runs, "renderings of each; figures are medians")->check(CLI::Range(1, 1000));
   app.add_flag("--json", o.json, "print JSON instead of a table");
+}
+
+void add_export_options(CLI::App& app, ExportOptions& o) {
+  app.add_option("-o,--output", o.output, "obj, ply or glb, by extension")
+      ->required()
+      ->check(checked_by([](const std::string& path) {
+        if (!path.ends_with(".obj") && !path.ends_with(".ply") && !path.ends_with(".glb"))
+          throw UsageError("a mesh file ends in .obj, .ply or .glb");
+      }))
+      ->type_name("FILE");
+  app.add_flag("-q,--quiet", o.quiet, "say nothing but errors");
 }
 
 void place_help_option(CLI::App& app) { app.get_help_ptr()->group(report_group); }

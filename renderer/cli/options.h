@@ -3,6 +3,7 @@
 #pragma once
 
 #include "renderer/cli/commands.h"
+#include "renderer/cli/export_command.h"
 #include "renderer/cli/render_command.h"
 
 #include <CLI/CLI.hpp>
@@ -14,7 +15,9 @@ namespace meristem {
 
 void add_scene_argument(CLI::App& app, std::string& scene);
 
-// What is rendered: of every command that renders.
+// What is seen, and how large: of every command that expands geometry.
+void add_view_options(CLI::App& app, LoadOptions& o);
+// What is rendered: of every command that renders. Those among it.
 void add_scene_options(CLI::App& app, RenderOptions& o);
 // Those of them that the user gave, to hand on to a child.
 std::vector<std::string> given_scene_options(const CLI::App& app);
@@ -28,6 +31,9 @@ void place_help_option(CLI::App& app);
 // Of the commands that report; beside the options of the scene.
 void add_profile_options(CLI::App& app, ProfileOptions& o);
 void add_compare_options(CLI::App& app, CompareOptions& o);
+
+// Of `export`, beside the options of the view.
+void add_export_options(CLI::App& app, ExportOptions& o);
 
 // What only `render` has: AOVs, ways of expanding, limits, checkpoints, parts, reports. After the two above.
 void add_render_options(CLI::App& app, RenderOptions& o);

@@ -10,24 +10,11 @@ namespace {
 
 constexpr std::size_t line_width = 100;
 
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\')
-      result += '\\', result += c;
-    else if (std::uint8_t(c) < 0x20)
-      result += fmt::format("\\u{:04x}", std::uint8_t(c));
-    else
-      result += c;
-  }
-  return result + '"';
-}
-
 std::string scalar(const Value& v) {
   switch (v.kind) {
     case Value::Kind::Bool: return v.boolean ? "true" : "false";
     case Value::Kind::Number: return std::isfinite(v.number) ? fmt::format("{}", v.number) : "null";
-    case Value::Kind::Text: return quoted(v.text);
+    case Value::Kind::Text: return json_quoted(v.text);
     default: return "null";
   }
 }
@@ -37,7 +24,7 @@ template <class Write>
 std::vector<std::string> parts_of(const Value& v, const Write& write) {
   std::vector<std::string> parts;
   for (const Value& item : v.items) parts.push_back(write(item));
-  for (const Member& member : v.members) parts.push_back(quoted(member.key) + ": " + write(member.value));
+  for (const Member& member : v.members) parts.push_back(json_quoted(member.key) + ": " + write(member.value));
   return parts;
 }
 
@@ -56,6 +43,19 @@ std::string on_lines(const Value& v, std::size_t indent) {
 }
 
 }  // namespace
+
+std::string json_quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      result += '\\', result += c;
+    else if (std::uint8_t(c) < 0x20)
+      result += fmt::format("\\u{:04x}", std::uint8_t(c));
+    else
+      result += c;
+  }
+  return result + '"';
+}
 
 std::string to_json(const Value& value) { return on_lines(value, 0); }
 

@@ -9,5 +9,7 @@
 namespace meristem {
 
 std::string to_json(const Value& value);
+// A text in quotes.
+std::string json_quoted(const std::string& text);
 
 }  // namespace meristem

@@ -1,6 +1,6 @@
 #include "renderer/loading/glowing_objects.h"
 
-#include "geometry/cells/expansion.h"
+#include "geometry/cells/shown_surfaces.h"
 #include "renderer/lights/triangle_light.h"
 
 #include <algorithm>
@@ -29,23 +29,12 @@ class Triangles {
   Triangles(const Placement& object, int index, Scene& scene) : object_(object), index_(index), scene_(scene) {}
 
   void add(const Tessellation& surface) {
-    for (std::size_t i = 0; i < surface.triangles.size(); ++i)
-      add(surface, surface.triangles[i], surface.triangle_sources[i].origin);
-    for (const Tessellation::Grid& grid : surface.grids) add_grid(surface, grid);
+    for_each_triangle(surface, [&](const std::array<std::uint32_t, 3>& corners, std::uint32_t origin) {
+      add(surface, corners, origin);
+    });
   }
 
  private:
-  // Cut as Embree cuts the quads of a grid: along the diagonal from the second corner to the third
-  // (RTC_GEOMETRY_TYPE_GRID).
-  void add_grid(const Tessellation& surface, const Tessellation::Grid& grid) {
-    for (std::uint32_t y = 0; y + 1 < grid.height; ++y)
-      for (std::uint32_t x = 0; x + 1 < grid.width; ++x) {
-        const std::uint32_t a = grid.first_vertex + y * grid.width + x, b = a + 1, c = a + grid.width, d = c + 1;
-        add(surface, {a, b, c}, grid.origin);
-        add(surface, {b, d, c}, grid.origin);
-      }
-  }
-
   void add(const Tessellation& surface, const std::array<std::uint32_t, 3>& corners, std::uint32_t origin) {
     const Material& material = material_of(scene_, surface.origins[origin]);
     if (!material.may_emit()) return;
@@ -62,14 +51,6 @@ class Triangles {
   Scene& scene_;
 };
 
-void add_expanded(const Model& model, CellMesh cell, int level, Triangles& triangles) {
-  const Expansion expansion = expand(model, std::move(cell), level);
-  if (expansion.leaf) return triangles.add(*expansion.leaf);
-  const InnerCell& inner = *expansion.inner;
-  for (std::size_t i = 0; i < inner.child_count(); ++i)
-    add_expanded(model, child_cell(model, inner, i), inner.level, triangles);
-}
-
 }  // namespace
 
 void add_glowing_objects(std::vector<Placement>& objects, Scene& scene) {
@@ -80,7 +61,8 @@ void add_glowing_objects(std::vector<Placement>& objects, Scene& scene) {
     if (!part.model || part.placer || estimated_faces(*part.model) > max_glowing_faces) continue;
     const std::size_t others = scene.lights.size();
     Triangles triangles(objects[i], int(i), scene);
-    add_expanded(*part.model, root_cell(*part.model, nullptr, objects[i].individual), 0, triangles);
+    for_each_tessellation({part.model, nullptr, objects[i].individual, {}},
+                          [&](const Tessellation& cell, double) { triangles.add(cell); });
     if (scene.lights.size() > others) objects[i].in_full = true;  // as the lights are
   }
 }

@@ -76,15 +76,29 @@ class SceneBuilder {
     diagnostics_.throw_if_errors();
 
     add_glowing_objects(world, *scene_);
-    const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
-    scene_->intersector = make_world(std::move(world), {options_.expand, scene_->settings.budget_bytes, threads,
-                                                        camera_footprint(*scene_), options_.record});
+    LoadedScene result;
+    if (options_.keep_objects) {
+      result.objects = std::move(world);
+      result.footprint = camera_footprint(*scene_);
+    } else {
+      make_intersector(std::move(world));
+    }
     if (!options_.check_only) scene_->prepare();
-    return {std::move(scene_), sha256(file.location.source ? file.location.source->text : ""), diagnostics_.list(),
-            std::move(texts), named_files(file, folder())};
+    result.scene = std::move(scene_);
+    result.sha256 = sha256(file.location.source ? file.location.source->text : "");
+    result.warnings = diagnostics_.list();
+    result.texts = std::move(texts);
+    result.files = named_files(file, folder());
+    return result;
   }
 
  private:
+  void make_intersector(std::vector<Placement> world) {
+    const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
+    scene_->intersector = make_world(std::move(world), {options_.expand, scene_->settings.budget_bytes, threads,
+                                                        camera_footprint(*scene_), options_.record});
+  }
+
   std::string folder() const {
     return path_ == "-" ? std::filesystem::current_path().string()
                         : std::filesystem::absolute(path_).parent_path().string();

@@ -27,6 +27,7 @@ struct LoadOptions {
   std::optional<double> detail;  // pixels; 0: everything in full
   bool record = false;           // what expansion does, for Intersector::profile()
   bool check_only = false;       // the scene will not be rendered: Scene::prepare() is left out
+  bool keep_objects = false;     // LoadedScene::objects in place of a world to trace rays into; with check_only
   std::string camera;            // name of one of the file's cameras; empty: the file's first
   std::optional<double> noise;
   std::vector<Aov> aovs;         // besides those of the file
@@ -40,6 +41,8 @@ struct LoadedScene {
   std::vector<Diagnostic> warnings;
   std::vector<std::pair<std::string, std::string>> texts = {};  // read, included ones too: name and SHA-256
   std::vector<std::pair<std::string, std::string>> files = {};  // that the scene names: name and path
+  std::vector<Placement> objects = {};                          // if they are kept
+  std::shared_ptr<const Footprint> footprint = nullptr;         // with them; borrows the scene's camera
 };
 
 // `path` is a file, or "-" for standard input. Throws SceneErrors with every error of the pass, an unreadable file

@@ -72,6 +72,7 @@ class OpenPbr : public Material {
     bsdf.set_frame(bumped);
   }
 
+  bool is_uniform() const override { return constant_; }
   bool may_emit() const override { return !is_zero(emission_luminance_); }
   Spectrum emission(const ShadingPoint& point) const override {
     const MaterialValues v = textures_.at(point);

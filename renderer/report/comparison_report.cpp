@@ -1,7 +1,7 @@
 // What a comparison shows: as a table, as JSON, in words and for the page.
+#include "renderer/language/json_value.h"
 #include "renderer/language/json_writer.h"
 #include "renderer/report/comparison.h"
-#include "renderer/report/json_value.h"
 #include "renderer/report/page.h"
 #include "renderer/report/statistics.h"
 

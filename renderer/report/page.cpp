@@ -1,7 +1,7 @@
 #include "renderer/report/page.h"
 
+#include "renderer/language/json_value.h"
 #include "renderer/language/json_writer.h"
-#include "renderer/report/json_value.h"
 #include "renderer/report/temporary_folder.h"
 
 #include <fmt/format.h>

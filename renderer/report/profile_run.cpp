@@ -1,9 +1,9 @@
 #include "renderer/report/profile_run.h"
 
 #include "renderer/color/color.h"
+#include "renderer/language/json_value.h"
 #include "renderer/report/child_process.h"
 #include "renderer/report/comparison.h"
-#include "renderer/report/json_value.h"
 #include "renderer/report/page.h"
 #include "renderer/report/temporary_folder.h"
 

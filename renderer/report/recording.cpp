@@ -1,7 +1,7 @@
 #include "renderer/report/recording.h"
 
+#include "renderer/language/json_value.h"
 #include "renderer/language/json_writer.h"
-#include "renderer/report/json_value.h"
 
 #include <fmt/format.h>
 

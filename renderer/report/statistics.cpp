@@ -1,9 +1,9 @@
 #include "renderer/report/statistics.h"
 
 #include "geometry/base/sha256.h"
+#include "renderer/language/json_value.h"
 #include "renderer/language/json_writer.h"
 #include "renderer/report/hints.h"
-#include "renderer/report/json_value.h"
 #include "renderer/report/version.h"
 
 #include <fmt/format.h>

@@ -135,6 +135,8 @@ class Material {
     (void)point;
     return {};
   }
+  // Whether evaluate() gives every hit the same parameters.
+  virtual bool is_uniform() const { return false; }
   // False if every hit is opaque (opacity 1): shadow rays then need not ask.
   virtual bool may_be_transparent() const { return false; }
 };

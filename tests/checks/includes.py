@@ -24,7 +24,7 @@ LAYERS = {
         "language",
         "loading",
         "session",
-        "report",
+        "report interchange",
         "cli python viewer",
         "main.cpp",
     ],

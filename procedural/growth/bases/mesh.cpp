@@ -1,5 +1,5 @@
-// mesh: any manifold mesh, inline or from an OBJ file; "symbols" says which symbol the faces of a name carry, and
-// "creases" are edges with their sharpness: [[0, 1, 2.5], ...] for the edge between vertices 0 and 1.
+// mesh: any manifold mesh, inline or from an OBJ or PLY file; "symbols" says which symbol the faces of a name carry,
+// and "creases" are edges with their sharpness: [[0, 1, 2.5], ...] for the edge between vertices 0 and 1.
 #include "procedural/growth/base_shape.h"
 #include "procedural/growth/mesh_source.h"
 
@@ -92,7 +92,7 @@ class BaseFromMesh : public BaseShape {
 }  // namespace
 
 void register_mesh(BaseRegistry& r) {
-  r.add<BaseFromMesh>("mesh", "Any mesh, written inline or read from an OBJ file");
+  r.add<BaseFromMesh>("mesh", "Any mesh, written inline or read from an OBJ or PLY file");
 }
 
 }  // namespace meristem

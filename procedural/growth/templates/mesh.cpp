@@ -1,6 +1,7 @@
-// mesh: any closed mesh as a template, inline or from an OBJ file. Its first polygon is the socket: it looks into the
-// replaced face and vanishes with it, and its reference edge (corner 0 to corner 1) lies on the reference edge of that
-// face. The other vertices keep their places in the frame of the socket, scaled with the radius of the replaced face.
+// mesh: any closed mesh as a template, inline or from an OBJ or PLY file. Its first polygon is the socket: it looks
+// into the replaced face and vanishes with it, and its reference edge (corner 0 to corner 1) lies on the reference edge
+// of that face. The other vertices keep their places in the frame of the socket, scaled with the radius of the replaced
+// face.
 #include "procedural/growth/mesh_source.h"
 #include "procedural/growth/template.h"
 
@@ -142,7 +143,7 @@ class MeshTemplate : public Template {
 }  // namespace
 
 void register_mesh(TemplateRegistry& r) {
-  r.add<MeshTemplate>("mesh", "Any closed mesh with named faces, written inline or read from an OBJ file");
+  r.add<MeshTemplate>("mesh", "Any closed mesh with named faces, written inline or read from an OBJ or PLY file");
 }
 
 }  // namespace meristem

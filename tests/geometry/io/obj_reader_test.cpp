@@ -1,6 +1,7 @@
 #include "geometry/io/obj_reader.h"
 
 #include "geometry/base/key.h"
+#include "geometry/io/mesh_file.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +12,7 @@ namespace meristem {
 namespace {
 
 struct Result {
-  ObjMesh mesh;
+  PolygonMesh mesh;
   Diagnostics diagnostics;
 };
 
@@ -44,7 +45,7 @@ TEST(ObjReader, ReadsPositionsUvAndPolygons) {
   EXPECT_EQ(r.mesh.face_starts, (std::vector<std::uint32_t>{0, 3, 7}));
   EXPECT_EQ(r.mesh.corner_positions, (std::vector<std::uint32_t>{0, 1, 2, 0, 1, 2, 3}));
   EXPECT_EQ(r.mesh.corner_uv[1], 1u);
-  EXPECT_EQ(r.mesh.corner_uv[2], ObjMesh::none);
+  EXPECT_EQ(r.mesh.corner_uv[2], PolygonMesh::none);
   EXPECT_EQ(r.mesh.names, (std::vector<std::string>{""}));
 }
 
@@ -99,12 +100,12 @@ TEST(ObjReader, SurvivesDamagedFiles) {
     std::string text = good.substr(0, 1 + hash_keys(k, 1) % good.size());
     for (int i = 0; i < 4; ++i)
       text[hash_keys(k, 2, Key(i)) % text.size()] = alphabet[hash_keys(k, 3, Key(i)) % alphabet.size()];
-    const ObjMesh mesh = read(text).mesh;
+    const PolygonMesh mesh = read(text).mesh;
     ASSERT_EQ(mesh.face_starts.size(), mesh.face_count() + 1u);
     ASSERT_EQ(mesh.face_starts.back(), mesh.corner_positions.size());
     ASSERT_EQ(mesh.corner_uv.size(), mesh.corner_positions.size());
     for (std::uint32_t c : mesh.corner_positions) ASSERT_LT(c, mesh.positions.size());
-    for (std::uint32_t c : mesh.corner_uv) ASSERT_TRUE(c == ObjMesh::none || c < mesh.uv.size());
+    for (std::uint32_t c : mesh.corner_uv) ASSERT_TRUE(c == PolygonMesh::none || c < mesh.uv.size());
     for (std::uint32_t n : mesh.face_names) ASSERT_LT(n, mesh.names.size());
   }
 }
@@ -113,10 +114,10 @@ TEST(ObjReader, LoadsFilesAndNamesTheOnesItCannot) {
   const std::filesystem::path path = std::filesystem::temp_directory_path() / "meristem_obj_reader_test.obj";
   std::ofstream(path) << triangle_points << "f 1 2 3\n";
   Diagnostics diagnostics;
-  EXPECT_EQ(load_obj(path.string(), {}, diagnostics).face_count(), 1u);
+  EXPECT_EQ(load_mesh(path.string(), {}, diagnostics).face_count(), 1u);
   EXPECT_TRUE(diagnostics.list().empty());
   std::filesystem::remove(path);
-  load_obj(path.string(), {}, diagnostics);
+  load_mesh(path.string(), {}, diagnostics);
   ASSERT_EQ(diagnostics.list().size(), 1u);
   EXPECT_EQ(diagnostics.list()[0].message, "cannot read \"" + path.string() + "\": No such file or directory");
 }

@@ -1,6 +1,6 @@
 #include "renderer/report/page.h"
 
-#include "renderer/report/json_value.h"
+#include "renderer/language/json_value.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,25 @@
+// What a placed part is seen as in its own frame: its footprint, and which individual of its kind it is. What rays
+// meet and what is exported agree because both ask here. Pure functions; any thread.
+#pragma once
+
+#include "geometry/cells/footprint.h"
+#include "geometry/cells/part.h"
+
+namespace meristem {
+
+const Bounds3f& placed_bounds(const Placement& placement);
+
+// In the frame of a part whose parent's footprint is given (null, and a part in full: null). Where it hardly varies
+// over the part it is constant, the least of it, so that other placements can share what is expanded.
+std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Footprint>& parent,
+                                                  const Placement& placement);
+
+// Of a part that is placed in an individual.
+Key placed_individual(Key parent, const Placement& placement);
+
+// Whether all placements of this part and individual with this footprint (of placed_footprint) are the same geometry.
+bool can_share(const Placement& placement, const Footprint* footprint);
+// That of a constant footprint; 0 of none.
+double constant_size(const Footprint* footprint);
+
+}  // namespace meristem
