@@ -26,19 +26,19 @@ class FlatRoot final : public ModelRoot {
 void append(Tessellation& all, const Tessellation& part) {
   const auto first_vertex = std::uint32_t(all.positions.size());
   const auto first_origin = std::uint32_t(all.origins.size());
-  const auto first_frame = std::uint32_t(all.uv_frames.size());
+  const auto first_leaf = std::uint32_t(all.leaves.size());
   all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
   all.normals.insert(all.normals.end(), part.normals.begin(), part.normals.end());
   all.uv.insert(all.uv.end(), part.uv.begin(), part.uv.end());
-  all.uv_frames.insert(all.uv_frames.end(), part.uv_frames.begin(), part.uv_frames.end());
+  all.leaves.insert(all.leaves.end(), part.leaves.begin(), part.leaves.end());
   all.origins.insert(all.origins.end(), part.origins.begin(), part.origins.end());
   for (Tessellation::Grid g : part.grids)
     all.grids.push_back(
-        {g.first_vertex + first_vertex, g.width, g.height, g.origin + first_origin, g.uv_frame + first_frame});
+        {g.first_vertex + first_vertex, g.width, g.height, g.origin + first_origin, g.leaf + first_leaf, g.coarser});
   for (const auto& t : part.triangles)
     all.triangles.push_back({t[0] + first_vertex, t[1] + first_vertex, t[2] + first_vertex});
   for (Tessellation::TriangleSource s : part.triangle_sources)
-    all.triangle_sources.push_back({s.origin + first_origin, s.uv_frame + first_frame});
+    all.triangle_sources.push_back({s.origin + first_origin, s.leaf + first_leaf});
   all.face_count += part.face_count;
 }
 

@@ -26,8 +26,6 @@ class Intersector {
   virtual bool intersect(const Ray& ray, SurfaceHit& hit) const = 0;
   // Whether anything lies in (t_min, t_max).
   virtual bool occluded(const Ray& ray) const = 0;
-  // The calling thread holds no SurfaceHit::origin any more: evicted cells may be freed. Call once a camera path.
-  virtual void quiescent() const = 0;
   // What the calling thread has expanded since it began to trace: differences say what a pixel cost. A few nanoseconds.
   virtual ThreadExpansions thread_expansions() const { return {}; }
   // Conservative bounds of everything, known before expansion.

@@ -3,6 +3,7 @@
 #include "geometry/accel/proxy_scene.h"
 #include "geometry/accel/roots.h"
 #include "geometry/base/parallel.h"
+#include "geometry/cells/level_of_detail.h"
 
 #include <fmt/format.h>
 
@@ -16,6 +17,21 @@ namespace meristem {
 namespace {
 
 class LazyRoot;
+
+// While one lives, its ray is in a cell.
+class InUse {
+ public:
+  InUse(RayContext& context, CacheEntry& cell) : context_(context), used_{&cell, context.use.cells} {
+    context.use.cells = &used_;
+  }
+  ~InUse() { context_.use.cells = used_.outer; }
+  InUse(const InUse&) = delete;
+  InUse& operator=(const InUse&) = delete;
+
+ private:
+  RayContext& context_;
+  const UsedEntry used_;
+};
 
 // A resident cell: a surface patch, child cells behind a scene of their bounds, or placed parts.
 class CellEntry : public CacheEntry {
@@ -36,15 +52,18 @@ class CellEntry : public CacheEntry {
     label.tree_bytes = bytes;
   }
 
-  void intersect(RayContext& context, RTCRayHit& ray) const {
-    if (patch_)
-      intersect_patch(*patch_, key_, context, ray);
-    else if (proxies_)
+  void intersect(RayContext& context, RTCRayHit& ray) {
+    const InUse in_use(context, *this);
+    if (patch_) {
+      if (intersect_patch(*patch_, key_, context, ray)) context.use.nearest = this;
+    } else if (proxies_) {
       rtcIntersect1(proxies_->scene(), &context.embree, &ray);
-    else
+    } else {
       instances_->intersect(context, ray);
+    }
   }
-  void occluded(RayContext& context, RTCRay& ray) const {
+  void occluded(RayContext& context, RTCRay& ray) {
+    const InUse in_use(context, *this);
     if (instances_)
       instances_->occluded(context, ray);
     else
@@ -82,7 +101,7 @@ Tessellation box_of(const Bounds3f& b, Key key) {
   t.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                  {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   t.triangle_sources.assign(t.triangles.size(), {0, 0});
-  t.uv_frames = {UvFrame()};
+  t.leaves = {{}};
   t.origins = {FaceOrigin{.key = key}};
   return t;
 }
@@ -98,22 +117,24 @@ class LazyRoot final : public ModelRoot {
         reach_(source_.part->placer ? float(source_.part->placer->reach()) : 0) {}
 
   void intersect(RayContext& context, RTCRayHit& ray) const override {
-    if (const CellEntry* cell = root()) cell->intersect(context, ray);
+    if (CellEntry* cell = root(context.use)) cell->intersect(context, ray);
   }
   void occluded(RayContext& context, RTCRay& ray) const override {
-    if (const CellEntry* cell = root()) cell->occluded(context, ray);
+    if (CellEntry* cell = root(context.use)) cell->occluded(context, ray);
   }
   std::size_t bytes() const override { return sizeof(*this); }
+  const Part* part() const { return source_.part.get(); }
+  const Model& model() const { return *source_.part->model; }
 
-  CellEntry* root() const {
-    return static_cast<CellEntry*>(cache_.acquire(slot_, source_.parent, [this]() -> std::unique_ptr<CacheEntry> {
+  CellEntry* root(const RayUse& use = {}) const {
+    return static_cast<CellEntry*>(cache_.acquire(slot_, source_.parent, use, [this]() -> std::unique_ptr<CacheEntry> {
       if (!source_.part->model) return placed(source_.part->members);
       const auto cut = [this] { return root_cell(model(), ground_footprint(), source_.individual); };
       return make_entry(cut, 0, bounds(), hash_keys(hash_text(model().name()), source_.individual));
     }));
   }
-  CellEntry* child(CellEntry& parent, std::size_t index) const {
-    return static_cast<CellEntry*>(cache_.acquire(parent.slot(index), &parent, [this, &parent, index] {
+  CellEntry* child(CellEntry& parent, std::size_t index, const RayUse& use = {}) const {
+    return static_cast<CellEntry*>(cache_.acquire(parent.slot(index), &parent, use, [this, &parent, index] {
       const InnerCell& inner = *parent.inner();
       auto entry = make_entry([&] { return child_cell(model(), inner, index); }, inner.level, inner.child_bounds[index],
                               inner.child_keys[index]);
@@ -123,8 +144,6 @@ class LazyRoot final : public ModelRoot {
   }
 
  private:
-  const Model& model() const { return *source_.part->model; }
-
   // What stands on a ground must not depend on the view, so the ground is expanded in full.
   const Footprint* ground_footprint() const { return source_.part->placer ? nullptr : source_.footprint.get(); }
 
@@ -201,7 +220,7 @@ void intersect_child(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   CellEntry& parent = owner(args->geometryUserPtr);
   auto& context = *reinterpret_cast<RayContext*>(args->context);
-  if (const CellEntry* cell = parent.root().child(parent, args->primID)) {
+  if (CellEntry* cell = parent.root().child(parent, args->primID, context.use)) {
     if (context.visits) ++context.visits[cell->label.cell_class];
     cell->intersect(context, *reinterpret_cast<RTCRayHit*>(args->rayhit));
   }
@@ -211,7 +230,7 @@ void occluded_child(const RTCOccludedFunctionNArguments* args) {
   if (!args->valid[0]) return;
   CellEntry& parent = owner(args->geometryUserPtr);
   auto& context = *reinterpret_cast<RayContext*>(args->context);
-  if (const CellEntry* cell = parent.root().child(parent, args->primID)) {
+  if (CellEntry* cell = parent.root().child(parent, args->primID, context.use)) {
     if (context.visits) ++context.visits[cell->label.cell_class];
     cell->occluded(context, *reinterpret_cast<RTCRay*>(args->ray));
   }
@@ -231,6 +250,51 @@ CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner)
 std::unique_ptr<ModelRoot> make_lazy_root(RootSource source, Roots& roots, GeometryCache& cache,
                                           ExpansionCounts& counts) {
   return std::make_unique<LazyRoot>(std::move(source), roots, cache, counts);
+}
+
+namespace {
+
+class ChainMeasure {
+ public:
+  std::size_t largest_below(const ModelRoot& root) {
+    const auto* lazy = dynamic_cast<const LazyRoot*>(&root);
+    if (!lazy || !seen_.insert(lazy->part()).second) return 0;
+    CellEntry* cell = lazy->root();
+    return cell ? below(*cell) : 0;
+  }
+
+ private:
+  std::size_t below(CellEntry& cell) {
+    std::size_t most = 0;
+    if (cell.instances())
+      for (const Instance& instance : cell.instances()->list()) most = std::max(most, largest_below(instance.root()));
+    if (cell.inner())
+      if (CellEntry* child = cell.root().child(cell, largest_child(cell))) most = below(*child);
+    return cell.bytes + most;
+  }
+  static std::size_t largest_child(const CellEntry& cell) {
+    const InnerCell& inner = *cell.inner();
+    std::size_t largest = 0;
+    double most = -1;
+    for (std::size_t i = 0; i < inner.child_count(); ++i) {
+      double faces = 0;
+      for (std::uint32_t f : inner.faces_of_child(i))
+        faces += wanted_faces(cell.root().model(), inner.cell, f, inner.level);
+      if (faces > most) most = faces, largest = i;
+    }
+    return largest;
+  }
+
+  std::set<const Part*> seen_;
+};
+
+}  // namespace
+
+std::size_t largest_chain_bytes(const std::vector<const ModelRoot*>& roots) {
+  std::size_t most = 0;
+  ChainMeasure measure;
+  for (const ModelRoot* root : roots) most = std::max(most, measure.largest_below(*root));
+  return most;
 }
 
 void expand_everything(std::vector<const ModelRoot*> roots, int threads) {

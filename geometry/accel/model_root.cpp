@@ -14,7 +14,7 @@ std::optional<Affine3d> to_world(const RayContext::Frame* frame) {
 
 }  // namespace
 
-void intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRayHit& ray) {
+bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRayHit& ray) {
   const RTCHit previous = ray.hit;
   const float previous_t = ray.ray.tfar;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -24,12 +24,13 @@ void intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RT
   const bool lost_tie = ray.ray.tfar == previous_t && context.patch && context.patch_key < key;
   if (missed || lost_tie) {
     ray.hit = previous;
-    return;
+    return false;
   }
   context.patch = &patch;
   context.patch_key = key;
   context.patch_object = context.object;
   context.patch_to_world = to_world(context.frame);
+  return true;
 }
 
 }  // namespace meristem

@@ -27,6 +27,7 @@ struct RayContext {
   const Frame* frame = nullptr;
   Key path = 0;
   int object = -1;
+  RayUse use;
   std::uint32_t* visits = nullptr;  // of a sampled ray: counts of the cells it meets, by class
 };
 
@@ -45,8 +46,9 @@ class ModelRoot {
   Bounds3f bounds_;
 };
 
-// Traces a patch for a ray that may have a hit already; of two hits at one distance the smaller key wins.
-void intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRayHit& ray);
+// Traces a patch for a ray that may have a hit already; of two hits at one distance the smaller key wins. Returns
+// whether the patch holds the nearest hit now.
+bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRayHit& ray);
 
 // A part as one of the individuals that it describes, seen from somewhere: what its cells are a pure function of.
 struct RootSource {
@@ -61,6 +63,9 @@ struct RootSource {
 class Roots;
 std::unique_ptr<ModelRoot> make_lazy_root(RootSource source, Roots& roots, GeometryCache& cache,
                                           ExpansionCounts& counts);
+// What a ray holds at once at most: the bytes of a chain of cells from a root to a surface, through the largest child
+// of each. Of the longest below the roots given. Expands such a chain for each part.
+std::size_t largest_chain_bytes(const std::vector<const ModelRoot*>& roots);
 // Expands every cell of the lazy roots among those given and of all that stands in them, on `threads` threads.
 void expand_everything(std::vector<const ModelRoot*> roots, int threads);
 // The whole final mesh as one patch.

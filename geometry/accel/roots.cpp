@@ -14,7 +14,11 @@ const ModelRoot& Roots::shared(RootSource source, const Placement& placement) {
   const std::lock_guard lock(mutex_);
   std::unique_ptr<ModelRoot>& root =
       shared_[{placement.part.get(), source.individual, constant_size(source.footprint.get())}];
-  if (!root) root = make(std::move(source));
+  if (!root) {
+    constexpr std::size_t node_bytes = 96;  // of the map
+    root = make(std::move(source));
+    bytes_ += root->bytes() + node_bytes;
+  }
   return *root;
 }
 

@@ -4,6 +4,7 @@
 #include "geometry/accel/instances.h"
 #include "geometry/accel/world.h"
 
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <tuple>
@@ -21,6 +22,8 @@ class Roots {
   std::unique_ptr<Instances> place(const std::vector<Placement>& placements,
                                    const std::shared_ptr<const Footprint>& footprint, CacheEntry* parent,
                                    Key individual, bool are_objects);
+  // Of the roots that are shared, nothing expanded.
+  std::size_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
 
  private:
   std::unique_ptr<ModelRoot> make(RootSource source);
@@ -33,6 +36,7 @@ class Roots {
   std::mutex mutex_;
   // By part, individual and, where the footprint is constant, its size.
   std::map<std::tuple<const Part*, Key, double>, std::unique_ptr<ModelRoot>> shared_;
+  std::atomic<std::size_t> bytes_{0};
 };
 
 }  // namespace meristem

@@ -26,7 +26,7 @@ struct SurfaceHit {
   float u = 0, v = 0;      // propagated texture coordinates
   int object = -1;         // index into the world's objects
   int level = 0;           // of refinement at which the surface was met: steps of its model
-  const FaceOrigin* origin = nullptr;  // valid until the thread passes its next quiescent point
+  FaceOrigin origin;       // of the face that was met
   bool valid() const { return t < std::numeric_limits<float>::infinity(); }
 };
 

@@ -32,7 +32,8 @@ struct SurfacePatch::Corners {
   std::uint32_t vertices[3];  // counter-clockwise seen from outside
   float weights[3];
   float extent_error;  // of the weights, for grids: Embree stores u, v over the whole grid
-  std::uint32_t origin, uv_frame;
+  std::uint32_t origin, leaf;
+  int coarser;
 };
 
 SurfacePatch::SurfacePatch(Tessellation tessellation) : tessellation_(std::move(tessellation)) {
@@ -80,7 +81,7 @@ void SurfacePatch::attach_triangles() {
 SurfacePatch::Corners SurfacePatch::triangle_corners(const PatchHit& hit) const {
   const auto& t = tessellation_.triangles[hit.primitive];
   const Tessellation::TriangleSource& source = tessellation_.triangle_sources[hit.primitive];
-  return {{t[0], t[1], t[2]}, {1 - hit.u - hit.v, hit.u, hit.v}, 0, source.origin, source.uv_frame};
+  return {{t[0], t[1], t[2]}, {1 - hit.u - hit.v, hit.u, hit.v}, 0, source.origin, source.leaf, 0};
 }
 
 // Embree's u, v run over the whole grid; each quad is two triangles, (00, 10, 01) and (11, 01, 10).
@@ -93,8 +94,8 @@ SurfacePatch::Corners SurfacePatch::grid_corners(const PatchHit& hit) const {
   const std::uint32_t v00 = grid.first_vertex + j * grid.width + i, v10 = v00 + 1, v01 = v00 + grid.width,
                       v11 = v01 + 1;
   const float error = 4e-7f * float(std::max(grid.width, grid.height));
-  if (u + v <= 1) return {{v00, v10, v01}, {1 - u - v, u, v}, error, grid.origin, grid.uv_frame};
-  return {{v11, v01, v10}, {u + v - 1, 1 - u, 1 - v}, error, grid.origin, grid.uv_frame};
+  if (u + v <= 1) return {{v00, v10, v01}, {1 - u - v, u, v}, error, grid.origin, grid.leaf, grid.coarser};
+  return {{v11, v01, v10}, {u + v - 1, 1 - u, 1 - v}, error, grid.origin, grid.leaf, grid.coarser};
 }
 
 SurfaceHit SurfacePatch::surface_at(const PatchHit& patch_hit) const {
@@ -104,7 +105,8 @@ SurfaceHit SurfacePatch::surface_at(const PatchHit& patch_hit) const {
     return value(c.vertices[0]) * c.weights[0] + value(c.vertices[1]) * c.weights[1] +
            value(c.vertices[2]) * c.weights[2];
   };
-  auto uv_at = [&](std::uint32_t v) { return t.uv_frames[c.uv_frame].unpack(t.uv[v]); };
+  const Tessellation::Leaf& leaf = t.leaves[c.leaf];
+  auto uv_at = [&](std::uint32_t v) { return leaf.uv_frame.unpack(t.uv[v]); };
   const Vec3f p0 = t.positions[c.vertices[0]], e1 = t.positions[c.vertices[1]] - p0,
               e2 = t.positions[c.vertices[2]] - p0;
 
@@ -127,7 +129,8 @@ SurfaceHit SurfacePatch::surface_at(const PatchHit& patch_hit) const {
   const Vec2f t1 = uv_at(c.vertices[1]) - uv_at(c.vertices[0]), t2 = uv_at(c.vertices[2]) - uv_at(c.vertices[0]);
   hit.dpdu = tangent_along_u(e1, e2, t1, t2);
   hit.dpdv = tangent_along_u(e1, e2, {t1.y, t1.x}, {t2.y, t2.x});
-  hit.origin = &t.origins[c.origin];
+  hit.level = leaf.level - c.coarser;
+  hit.origin = t.origins[c.origin];
   return hit;
 }
 

@@ -17,6 +17,16 @@ constexpr std::size_t unlimited_bytes = std::numeric_limits<std::size_t>::max();
 // Of the tables that all cells share.
 std::size_t shared_plan_bytes() { return refine_plan_bytes() + limit_plan_bytes(); }
 
+// Of a small budget, the most that plans may take, half for each table.
+constexpr double plan_share = 0.25;
+
+void limit_plans(const WorldOptions& options) {
+  const std::size_t each =
+      options.mode == ExpandMode::Lazy ? std::size_t(double(options.budget_bytes) * plan_share / 2) : unlimited_bytes;
+  set_refine_plan_capacity(each);
+  set_limit_plan_capacity(each);
+}
+
 std::unique_ptr<ExpansionRecorder> make_recorder(const WorldOptions& options) {
   if (!options.record || options.mode == ExpandMode::Flat) return nullptr;
   const std::size_t budget = options.mode == ExpandMode::Lazy ? options.budget_bytes : 0;
@@ -43,9 +53,11 @@ class World final : public Intersector {
  public:
   World(std::vector<Placement> objects, const WorldOptions& options)
       : recorder_(make_recorder(options)),
-        cache_(options.mode == ExpandMode::Lazy ? options.budget_bytes : unlimited_bytes, recorder_.get()),
+        cache_(options.mode == ExpandMode::Lazy ? options.budget_bytes : unlimited_bytes, recorder_.get(),
+               [this] { return shared_plan_bytes() + roots_.bytes() + (objects_ ? objects_->bytes() : 0); }),
         counts_(recorder_.get()),
         roots_(options.mode, options.threads, cache_, counts_) {
+    limit_plans(options);
     run_isolated([&] { objects_ = roots_.place(objects, options.footprint, nullptr, 0, true); });
     if (options.mode == ExpandMode::Lazy) return;
     std::vector<const ModelRoot*> all;
@@ -61,6 +73,7 @@ class World final : public Intersector {
     RayContext context;
     rtcInitIntersectContext(&context.embree);
     const SampledRay sampled(recorder_.get(), context);
+    const GeometryCache::Visit visit(cache_);
     objects_->intersect(context, query);
     if (!context.patch) return false;
     hit = context.patch->surface_at({query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v});
@@ -76,6 +89,7 @@ class World final : public Intersector {
     RayContext context;
     rtcInitIntersectContext(&context.embree);
     const SampledRay sampled(recorder_.get(), context);
+    const GeometryCache::Visit visit(cache_);
     objects_->occluded(context, query);
     return query.tfar < 0;
   }
@@ -84,7 +98,6 @@ class World final : public Intersector {
     const GeometryCache::ThreadCounts counts = cache_.thread_counts();
     return {counts.expansions, counts.reexpansions};
   }
-  void quiescent() const override { cache_.leave(); }
   Bounds3f bounds() const override { return objects_->bounds(); }
 
   ExpansionStatistics statistics() const override {
@@ -99,6 +112,7 @@ class World final : public Intersector {
     s.resident_bytes_peak = c.resident_bytes_peak;
     s.limbo_bytes_peak = c.limbo_bytes_peak;
     s.plan_bytes = shared_plan_bytes();
+    s.total_bytes_peak = c.total_bytes_peak;
     s.invalid_rays = invalid_rays_.load();
     return s;
   }
@@ -132,7 +146,6 @@ class World final : public Intersector {
       return false;
     }
     if (objects_->list().empty()) return false;
-    cache_.enter();
     query = {ray.origin.x,
              ray.origin.y,
              ray.origin.z,
@@ -157,6 +170,21 @@ class World final : public Intersector {
 };
 
 }  // namespace
+
+std::size_t least_budget(const std::vector<Placement>& objects, const WorldOptions& options) {
+  constexpr std::size_t ample_bytes_per_thread = std::size_t(64) << 20;
+  const auto threads = std::size_t(options.threads);
+  if (options.mode != ExpandMode::Lazy || options.budget_bytes >= threads * ample_bytes_per_thread) return 0;
+  GeometryCache cache(unlimited_bytes);
+  ExpansionCounts counts;
+  Roots roots(options.mode, options.threads, cache, counts);
+  std::unique_ptr<Instances> placed;
+  run_isolated([&] { placed = roots.place(objects, options.footprint, nullptr, 0, true); });
+  std::vector<const ModelRoot*> all;
+  for (const Instance& object : placed->list()) all.push_back(&object.root());
+  const std::size_t entries = placed->bytes() + roots.bytes() + threads * largest_chain_bytes(all);
+  return std::size_t(double(entries) / (1 - plan_share));
+}
 
 std::unique_ptr<Intersector> make_world(std::vector<Placement> objects, const WorldOptions& options) {
   return std::make_unique<World>(std::move(objects), options);

@@ -29,6 +29,12 @@ struct WorldOptions {
   bool record = false;                                   // Intersector::profile() then has figures (Lazy, Eager)
 };
 
+// The least budget that can hold what one ray of each thread needs at once: a chain of cells from the root to a
+// surface, and their refinement plans. Expands such a chain for each part of the scene, so some milliseconds a part; 0
+// without looking if the budget is ample (64 MiB a thread). With less a render would expand the same cells again at
+// every step of every ray.
+std::size_t least_budget(const std::vector<Placement>& objects, const WorldOptions& options);
+
 // Makes the world; Eager and Flat expand here. Throws std::runtime_error if Embree fails.
 std::unique_ptr<Intersector> make_world(std::vector<Placement> objects, const WorldOptions& options);
 

@@ -16,10 +16,10 @@ struct GeometryMemory {
   std::uint64_t meshes = 0;         // meshes of split cells, from which children are cut
   std::uint64_t box_trees = 0;      // bounds of children, and Embree's hierarchies over them
   std::uint64_t limbo = 0;          // evicted, possibly still in use by a ray in flight
-  std::uint64_t plans = 0;          // refinement plans shared by cells of one shape; not part of the budget
+  std::uint64_t plans = 0;          // refinement plans shared by cells of one shape
 
-  // What the budget limits.
   std::uint64_t resident() const { return surfaces + surface_trees + meshes + box_trees; }
+  // What the budget limits.
   std::uint64_t total() const { return resident() + limbo + plans; }
 };
 

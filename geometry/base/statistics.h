@@ -27,7 +27,8 @@ struct ExpansionStatistics {
   std::uint64_t invalid_rays = 0;  // not finite or without direction: they hit nothing
   std::uint64_t resident_bytes_peak = 0;
   std::uint64_t limbo_bytes_peak = 0;  // evicted, but possibly still in use by a ray in flight
-  std::uint64_t plan_bytes = 0;        // refinement plans shared by cells of one shape, at the end; beside the budget
+  std::uint64_t plan_bytes = 0;        // refinement plans shared by cells of one shape, at the end
+  std::uint64_t total_bytes_peak = 0;  // of all geometry together: what the budget limits
   std::vector<std::string> defects;    // each kind once: cells that left their bounds or could not be expanded
   std::vector<StepStatistics> by_step;
 };

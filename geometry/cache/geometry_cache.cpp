@@ -4,6 +4,7 @@
 #include "geometry/cache/expansion_recorder.h"
 
 #include <algorithm>
+#include <thread>
 
 namespace meristem {
 
@@ -62,17 +63,47 @@ int GeometryCache::thread_index() {
   return lease.index;
 }
 
-CacheEntry* GeometryCache::acquire_slow(CacheSlot& slot, CacheEntry* parent, const Expand& expand) {
+// While one lives, its thread is not inside, but holds the entries that its ray uses.
+class GeometryCache::Absence {
+ public:
+  Absence(GeometryCache& cache, CacheEntry* parent, const RayUse& use)
+      : cache_(cache), mine_(cache.threads_[std::size_t(thread_index())].epoch), was_inside_(mine_.load() != outside) {
+    const std::lock_guard lock(cache_.mutex_);
+    if (parent) hold(*parent);
+    if (use.nearest) hold(*use.nearest);
+    for (const UsedEntry* used = use.cells; used; used = used->outer) hold(*used->entry);
+    mine_.store(outside);
+  }
+  ~Absence() {
+    const std::lock_guard lock(cache_.mutex_);
+    if (was_inside_) cache_.enter(mine_);
+    for (CacheEntry* entry : held_) cache_.release(*entry);
+  }
+  Absence(const Absence&) = delete;
+  Absence& operator=(const Absence&) = delete;
+
+  void hold(CacheEntry& entry) {  // needs mutex_
+    if (entry.holds_++ == 0 && entry.evicted_) std::erase(cache_.limbo_, &entry);
+    held_.push_back(&entry);
+  }
+
+ private:
+  GeometryCache& cache_;
+  std::atomic<std::uint64_t>& mine_;
+  const bool was_inside_;
+  std::vector<CacheEntry*> held_;
+};
+
+CacheEntry* GeometryCache::acquire_slow(CacheSlot& slot, CacheEntry* parent, const RayUse& use, const Expand& expand) {
   while (true) {
     std::uintptr_t word = slot.word_.load();
     if (word > CacheSlot::failed) return reinterpret_cast<CacheEntry*>(word);
     if (word == CacheSlot::failed) return nullptr;
-    if (word == CacheSlot::expanding) {
+    Absence absence(*this, parent, use);
+    if (word == CacheSlot::expanding)
       wait_for(slot);
-      continue;
-    }
-    if (slot.word_.compare_exchange_strong(word, CacheSlot::expanding, std::memory_order_acq_rel))
-      return expand_slot(slot, parent, expand);
+    else if (slot.word_.compare_exchange_strong(word, CacheSlot::expanding, std::memory_order_acq_rel))
+      return expand_slot(slot, parent, absence, expand);
   }
 }
 
@@ -83,76 +114,111 @@ void GeometryCache::wait_for(const CacheSlot& slot) {
   if (recorder_) recorder_->add_wait(start_s);
 }
 
-CacheEntry* GeometryCache::expand_slot(CacheSlot& slot, CacheEntry* parent, const Expand& expand) {
-  const bool is_orphan = !adopt_child(parent);
+CacheEntry* GeometryCache::expand_slot(CacheSlot& slot, CacheEntry* parent, Absence& absence, const Expand& expand) {
+  make_room();
   std::unique_ptr<CacheEntry> entry;
   try {
     entry = expand();
   } catch (...) {  // the cell fails, not the frame: it is drawn as its bounds, counted and reported
-    publish_failure(slot, parent, is_orphan);
+    publish_failure(slot);
     return nullptr;
   }
   CacheEntry* result = entry.get();
-  publish(slot, parent, std::move(entry), is_orphan);
+  publish(slot, parent, absence, std::move(entry));
   return result;
 }
 
-// Keeps the parent resident while a child is being expanded. False if the parent was evicted meanwhile (its memory is
-// still valid for this thread): then the child is used once and thrown away.
-bool GeometryCache::adopt_child(CacheEntry* parent) {
-  if (!parent) return true;
-  const std::lock_guard lock(mutex_);
-  if (parent->evicted_) return false;
-  ++parent->children_;
-  return true;
+// Waits until what has been evicted is freed, if there is more than the budget. Those who can keep it are inside, so
+// they only trace, and soon leave or come here themselves.
+void GeometryCache::make_room() {
+  constexpr int yields = 16;
+  const auto start = std::chrono::steady_clock::now();
+  for (int round = 0;; ++round) {
+    Garbage garbage;
+    {
+      const std::lock_guard lock(mutex_);
+      evict_to_budget();
+      garbage = reclaim();
+      if (limbo_.empty() || statistics_.resident_bytes + statistics_.limbo_bytes <= entry_budget()) return;
+      if (std::chrono::steady_clock::now() - start > patience) {
+        ++statistics_.overdrafts;
+        return;
+      }
+    }
+    if (round < yields)
+      std::this_thread::yield();
+    else
+      std::this_thread::sleep_for(std::chrono::microseconds(50));
+  }
 }
 
-void GeometryCache::publish(CacheSlot& slot, CacheEntry* parent, std::unique_ptr<CacheEntry> owned, bool is_orphan) {
+// Makes the entry resident; or, if its parent was evicted while a ray still used it, gives it to its thread alone.
+void GeometryCache::publish(CacheSlot& slot, CacheEntry* parent, Absence& absence, std::unique_ptr<CacheEntry> owned) {
   CacheEntry* entry = owned.release();
   ThreadCounts& mine = threads_[std::size_t(thread_index())].counts;
   ++mine.expansions;
   mine.reexpansions += slot.was_expanded_;
+  Garbage garbage;
   {
     const std::lock_guard lock(mutex_);
     ++statistics_.expansions;
     statistics_.reexpansions += slot.was_expanded_;
     slot.was_expanded_ = true;
-    entry->slot_ = &slot;
-    entry->parent_ = parent;
     if (recorder_) recorder_->expanded(entry->label, entry->bytes);
-    if (is_orphan) {
-      entry->evicted_ = true;
-      send_to_limbo(entry);
+    absence.hold(*entry);
+    if (parent && parent->evicted_) {
+      add_to_limbo(*entry);
+      slot.word_.store(CacheSlot::empty);
     } else {
-      entry->clock_index_ = clock_.size();
-      clock_.push_back(entry);
-      statistics_.resident_bytes += entry->bytes;
-      evict_to_budget(entry);
-      statistics_.resident_bytes_peak = std::max(statistics_.resident_bytes_peak, statistics_.resident_bytes);
+      add_resident(slot, parent, entry);
+      slot.word_.store(reinterpret_cast<std::uintptr_t>(entry), std::memory_order_release);
     }
-    slot.word_.store(reinterpret_cast<std::uintptr_t>(entry), std::memory_order_release);
-    reclaim();
+    evict_to_budget();
+    note_peaks();
+    garbage = reclaim();
   }
   slot.word_.notify_all();
 }
 
-void GeometryCache::publish_failure(CacheSlot& slot, CacheEntry* parent, bool is_orphan) {
+void GeometryCache::publish_failure(CacheSlot& slot) {
   {
     const std::lock_guard lock(mutex_);
     ++statistics_.failures;
-    if (parent && !is_orphan) --parent->children_;
   }
   slot.word_.store(CacheSlot::failed, std::memory_order_release);
   slot.word_.notify_all();
 }
 
-void GeometryCache::evict_to_budget(const CacheEntry* keep) {
+void GeometryCache::add_resident(CacheSlot& slot, CacheEntry* parent, CacheEntry* entry) {
+  entry->slot_ = &slot;
+  entry->parent_ = parent;
+  if (parent) ++parent->children_;
+  entry->clock_index_ = clock_.size();
+  clock_.push_back(entry);
+  statistics_.resident_bytes += entry->bytes;
+}
+
+std::size_t GeometryCache::entry_budget() const {
+  const std::size_t others = other_bytes_ ? other_bytes_() : 0;
+  return budget_bytes_ - std::min(budget_bytes_, others);
+}
+
+void GeometryCache::note_peaks() {
+  CacheStatistics& s = statistics_;
+  s.resident_bytes_peak = std::max(s.resident_bytes_peak, s.resident_bytes);
+  s.limbo_bytes_peak = std::max(s.limbo_bytes_peak, s.limbo_bytes);
+  const std::size_t others = other_bytes_ ? other_bytes_() : 0;
+  s.total_bytes_peak = std::max(s.total_bytes_peak, s.resident_bytes + s.limbo_bytes + others);
+}
+
+void GeometryCache::evict_to_budget() {
+  const std::size_t budget = entry_budget();
   // Two rounds of the hand: the first clears used bits, the second takes what nobody asked for since.
-  for (std::size_t looked_at = 0; statistics_.resident_bytes > budget_bytes_ && looked_at < 2 * clock_.size() + 2;
+  for (std::size_t looked_at = 0; statistics_.resident_bytes > budget && looked_at < 2 * clock_.size() + 2;
        ++looked_at) {
     if (hand_ >= clock_.size()) hand_ = 0;
     CacheEntry& entry = *clock_[hand_];
-    if (&entry == keep || entry.children_ > 0)
+    if (entry.holds_ > 0 || entry.children_ > 0)
       ++hand_;
     else if (entry.used_.exchange(false, std::memory_order_relaxed))
       ++hand_;
@@ -168,19 +234,27 @@ void GeometryCache::evict(CacheEntry& entry) {
   statistics_.resident_bytes -= entry.bytes;
   ++statistics_.evictions;
   if (entry.parent_) --entry.parent_->children_;
-  entry.evicted_ = true;
   entry.slot_->word_.store(CacheSlot::empty);
-  send_to_limbo(&entry);
+  add_to_limbo(entry);
 }
 
-// An entry in limbo may be freed once every thread inside has entered at a later epoch. The increment is a full barrier
-// between emptying the slot and reading the threads' epochs: a thread that still found the entry is seen to be inside.
-void GeometryCache::send_to_limbo(CacheEntry* entry) {
-  entry->evicted_epoch_ = epoch_.fetch_add(1);
-  limbo_.push_back(entry);
-  statistics_.limbo_bytes += entry->bytes;
-  statistics_.limbo_bytes_peak = std::max(statistics_.limbo_bytes_peak, statistics_.limbo_bytes);
-  if (recorder_) recorder_->evicted(entry->label, entry->bytes);
+// An entry in limbo may be freed once nobody holds it and every thread inside has entered at a later epoch. The
+// increment is a full barrier between emptying the slot and reading the threads' epochs: a thread that still found the
+// entry is seen to be inside.
+void GeometryCache::add_to_limbo(CacheEntry& entry) {
+  entry.evicted_ = true;
+  statistics_.limbo_bytes += entry.bytes;
+  if (recorder_) recorder_->evicted(entry.label, entry.bytes);
+  if (entry.holds_ > 0) return;
+  entry.evicted_epoch_ = epoch_.fetch_add(1);
+  limbo_.push_back(&entry);
+}
+
+// By a thread that is inside again: what it held and was evicted meanwhile waits for it as for any other.
+void GeometryCache::release(CacheEntry& entry) {
+  if (--entry.holds_ > 0 || !entry.evicted_) return;
+  entry.evicted_epoch_ = epoch_.fetch_add(1);
+  limbo_.push_back(&entry);
 }
 
 std::uint64_t GeometryCache::oldest_epoch() const {
@@ -190,17 +264,20 @@ std::uint64_t GeometryCache::oldest_epoch() const {
   return oldest;
 }
 
-void GeometryCache::reclaim() {
-  if (limbo_.empty()) return;
+// Takes out of limbo what no thread can use any more.
+GeometryCache::Garbage GeometryCache::reclaim() {
+  Garbage garbage;
+  if (limbo_.empty()) return garbage;
   const std::uint64_t oldest = oldest_epoch();
   const auto first_kept =
       std::find_if(limbo_.begin(), limbo_.end(), [&](const CacheEntry* e) { return e->evicted_epoch_ >= oldest; });
   for (auto it = limbo_.begin(); it != first_kept; ++it) {
     statistics_.limbo_bytes -= (*it)->bytes;
-    delete *it;
+    garbage.emplace_back(*it);
   }
   limbo_.erase(limbo_.begin(), first_kept);
   if (recorder_) recorder_->limbo_is(statistics_.limbo_bytes);
+  return garbage;
 }
 
 CacheStatistics GeometryCache::statistics() const {

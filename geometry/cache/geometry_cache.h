@@ -5,10 +5,16 @@
 // flight); the others sleep until it is done. The expanding thread holds no lock while it works and waits for nobody.
 //
 // Eviction: CLOCK (second chance; its hit rate was within 0.1 points of LRU in a pilot), entries without resident
-// children only, so parents leave after their children. Threads use entries between enter() and leave() (one camera
-// path); an evicted entry waits in limbo until every thread that was inside has left, so an entry that a ray in flight
-// uses stays valid. Resident bytes exceed the budget by no more than the cells being expanded at the moment; what
-// cannot be evicted (ancestors of cells in use) stays.
+// children only, so parents leave after their children. Threads use entries inside a Visit (one ray); an evicted entry
+// waits in limbo until every thread that was inside has left, so an entry that a ray in flight uses stays valid.
+//
+// The budget is a promise about all bytes: entries, limbo, and what the owner of the cache holds beside (other_bytes).
+// It is exceeded by no more than the cells in flight: for each thread what it expands at the moment, and what it uses
+// while it does: the cells around it (RayUse) and their ancestors. Two things keep limbo small. A thread that expands
+// or waits is not inside, but holds what it uses by name, so it keeps nothing else from being freed. And before an
+// expansion beyond the budget a thread waits until the rays of others have passed what has been evicted: microseconds,
+// since whoever is inside only traces. So a thread inside must never wait for another; if one stays for `patience`
+// nevertheless, the others go on without it.
 //
 // With a recorder, expansions, evictions and waits are recorded; hits never are.
 //
@@ -19,6 +25,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -68,51 +75,73 @@ class CacheEntry {
   // Guarded by GeometryCache::mutex_.
   CacheSlot* slot_ = nullptr;
   CacheEntry* parent_ = nullptr;
-  std::uint32_t children_ = 0;  // resident or being expanded
+  std::uint32_t children_ = 0;  // resident
+  std::uint32_t holds_ = 0;     // by threads that use the entry while they expand or wait
   std::size_t clock_index_ = 0;
   bool evicted_ = false;
   std::uint64_t evicted_epoch_ = 0;
 };
 
+// What a ray in flight uses. The links lie on the stack of the thread that traces it.
+struct UsedEntry {
+  CacheEntry* entry;
+  const UsedEntry* outer;
+};
+struct RayUse {
+  const UsedEntry* cells = nullptr;  // that the ray is in, from the innermost on
+  CacheEntry* nearest = nullptr;     // that holds its nearest hit so far
+};
+
 struct CacheStatistics {
   std::uint64_t expansions = 0, reexpansions = 0, evictions = 0, failures = 0, waits = 0;
+  std::uint64_t overdrafts = 0;  // expansions beyond the budget because a thread stayed inside
   std::size_t resident_bytes = 0, resident_bytes_peak = 0, limbo_bytes = 0, limbo_bytes_peak = 0;
+  std::size_t total_bytes_peak = 0;  // resident, in limbo and beside the cache
 };
 
 class GeometryCache {
  public:
   static constexpr int max_threads = 1088;  // the most that --threads allows, and some
 
-  // A recorder outlives the cache.
-  explicit GeometryCache(std::size_t budget_bytes, ExpansionRecorder* recorder = nullptr)
-      : budget_bytes_(budget_bytes), recorder_(recorder) {}
+  static constexpr std::chrono::milliseconds patience{100};
+
+  // `other_bytes` tells what else of the budget is taken at the moment; asked at every expansion. A recorder outlives
+  // the cache.
+  explicit GeometryCache(std::size_t budget_bytes, ExpansionRecorder* recorder = nullptr,
+                         std::function<std::size_t()> other_bytes = {})
+      : budget_bytes_(budget_bytes), other_bytes_(std::move(other_bytes)), recorder_(recorder) {}
   ~GeometryCache();
   GeometryCache(const GeometryCache&) = delete;
   GeometryCache& operator=(const GeometryCache&) = delete;
 
   // The slot's entry, made by `expand` if it is not resident; nullptr if expansion failed (expand threw; not tried
-  // again). `parent` is the entry that holds the slot, nullptr for a root. The entry stays valid until the caller's
-  // leave().
+  // again). `parent` is the entry that holds the slot, nullptr for a root. The entry stays valid until the end of the
+  // caller's Visit or its next acquire(), whichever is first; what `use` names, through every acquire() that names it.
   template <class Expand>
-  CacheEntry* acquire(CacheSlot& slot, CacheEntry* parent, Expand&& expand) {
+  CacheEntry* acquire(CacheSlot& slot, CacheEntry* parent, const RayUse& use, Expand&& expand) {
     const std::uintptr_t word = slot.word_.load();
     if (word > CacheSlot::failed) [[likely]] {
       auto* entry = reinterpret_cast<CacheEntry*>(word);
       if (!entry->used_.load(std::memory_order_relaxed)) entry->used_.store(true, std::memory_order_relaxed);
       return entry;
     }
-    return acquire_slow(slot, parent, expand);
+    return acquire_slow(slot, parent, use, expand);
   }
 
-  // The calling thread begins to use entries. Cheap if it is inside already.
-  void enter() {
-    std::atomic<std::uint64_t>& mine = threads_[std::size_t(thread_index())].epoch;
-    if (mine.load(std::memory_order_relaxed) != outside) return;
-    mine.store(epoch_.load());  // sequentially consistent, as the loads of slots and what evict() does: it sees this
-                                // thread inside, or this thread sees the slot empty
-  }
-  // The calling thread holds no entry any more.
-  void leave() { threads_[std::size_t(thread_index())].epoch.store(outside, std::memory_order_release); }
+  // While one lives, its thread is inside and may use entries. Not nested.
+  class Visit {
+   public:
+    explicit Visit(GeometryCache& cache) : cache_(cache), mine_(cache.threads_[std::size_t(thread_index())].epoch) {
+      cache_.enter(mine_);
+    }
+    ~Visit() { mine_.store(outside, std::memory_order_release); }
+    Visit(const Visit&) = delete;
+    Visit& operator=(const Visit&) = delete;
+
+   private:
+    GeometryCache& cache_;
+    std::atomic<std::uint64_t>& mine_;
+  };
 
   std::size_t budget_bytes() const { return budget_bytes_; }
   CacheStatistics statistics() const;
@@ -126,17 +155,27 @@ class GeometryCache {
 
  private:
   using Expand = std::function<std::unique_ptr<CacheEntry>()>;
-  CacheEntry* acquire_slow(CacheSlot& slot, CacheEntry* parent, const Expand& expand);
+  using Garbage = std::vector<std::unique_ptr<CacheEntry>>;  // to be destroyed when mutex_ is not held
+  class Absence;
+  void enter(std::atomic<std::uint64_t>& mine) {
+    mine.store(epoch_.load());  // sequentially consistent, as the loads of slots and what evict() does: it sees this
+                                // thread inside, or this thread sees the slot empty
+  }
+  CacheEntry* acquire_slow(CacheSlot& slot, CacheEntry* parent, const RayUse& use, const Expand& expand);
   void wait_for(const CacheSlot& slot);
-  CacheEntry* expand_slot(CacheSlot& slot, CacheEntry* parent, const Expand& expand);
-  bool adopt_child(CacheEntry* parent);                                                                  // takes mutex_
-  void publish(CacheSlot& slot, CacheEntry* parent, std::unique_ptr<CacheEntry> entry, bool is_orphan);  // takes mutex_
-  void publish_failure(CacheSlot& slot, CacheEntry* parent, bool is_orphan);
+  CacheEntry* expand_slot(CacheSlot& slot, CacheEntry* parent, Absence& absence, const Expand& expand);
+  void make_room();
+  void publish(CacheSlot& slot, CacheEntry* parent, Absence& absence, std::unique_ptr<CacheEntry> entry);
+  void publish_failure(CacheSlot& slot);
   // All below need mutex_.
-  void evict_to_budget(const CacheEntry* keep);
+  void add_resident(CacheSlot& slot, CacheEntry* parent, CacheEntry* entry);
+  void evict_to_budget();
   void evict(CacheEntry& entry);
-  void send_to_limbo(CacheEntry* entry);
-  void reclaim();
+  void add_to_limbo(CacheEntry& entry);
+  void release(CacheEntry& entry);
+  Garbage reclaim();
+  std::size_t entry_budget() const;
+  void note_peaks();
   std::uint64_t oldest_epoch() const;
 
   static constexpr std::uint64_t outside = ~std::uint64_t(0);
@@ -146,6 +185,7 @@ class GeometryCache {
   };
 
   const std::size_t budget_bytes_;
+  const std::function<std::size_t()> other_bytes_;
   ExpansionRecorder* const recorder_;
   std::array<ThreadEpoch, max_threads> threads_;
   std::atomic<std::uint64_t> epoch_{1};
@@ -154,7 +194,7 @@ class GeometryCache {
   mutable std::mutex mutex_;
   std::vector<CacheEntry*> clock_;  // resident entries; owned
   std::size_t hand_ = 0;
-  std::vector<CacheEntry*> limbo_;  // owned
+  std::vector<CacheEntry*> limbo_;  // evicted and not held, by evicted_epoch_; owned
   CacheStatistics statistics_;
 };
 

@@ -91,7 +91,7 @@ class Expander {
 
   void finish() {
     const bool has_grids = refinements_ > 0 && cell_.mesh.corner_count(0) == 4;
-    result_.leaf = tessellate(cell_, root_corners_, has_grids ? refinements_ : 0, model_.smoothing(level_));
+    result_.leaf = tessellate(cell_, level_, root_corners_, has_grids ? refinements_ : 0, model_.smoothing(level_));
     if (model_.settings().keeps_leaf_meshes) result_.mesh = std::move(cell_);
   }
 

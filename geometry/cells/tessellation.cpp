@@ -4,6 +4,7 @@
 #include "geometry/mesh/refine.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace meristem {
@@ -29,8 +30,8 @@ std::vector<Vec3d> vertex_normals(const Mesh& mesh) {
 
 class Tessellator {
  public:
-  Tessellator(const CellMesh& cell, const std::optional<RefineOptions>& smoothing)
-      : mesh_(cell.mesh), surface_(shown_surface(cell, smoothing)), uv_(vertex_uv(cell.mesh)) {
+  Tessellator(const CellMesh& cell, int level, const std::optional<RefineOptions>& smoothing)
+      : mesh_(cell.mesh), level_(level), surface_(shown_surface(cell, smoothing)), uv_(vertex_uv(cell.mesh)) {
     out_.origins = cell.mesh.origins;
     out_.face_count = cell.owned_faces;
   }
@@ -93,9 +94,9 @@ class Tessellator {
       low = {std::min(low.x, uv.x), std::min(low.y, uv.y)};
       high = {std::max(high.x, uv.x), std::max(high.y, uv.y)};
     }
-    out_.uv_frames = {UvFrame::over(low, high)};
+    out_.leaves = {{UvFrame::over(low, high), level_}};
     out_.uv.reserve(vertex_uv_.size());
-    for (Vec2f uv : vertex_uv_) out_.uv.push_back(out_.uv_frames[0].pack(uv));
+    for (Vec2f uv : vertex_uv_) out_.uv.push_back(out_.leaves[0].uv_frame.pack(uv));
   }
 
   std::uint32_t grid_vertex(std::uint32_t i, std::uint32_t j) const { return grid_vertices_[j * grid_width_ + i]; }
@@ -126,7 +127,7 @@ class Tessellator {
     const auto width = std::uint16_t(size / step + 1);
     for (std::uint32_t j = 0; j <= size; j += step)
       for (std::uint32_t i = 0; i <= size; i += step) add_vertex(grid_vertex(i0 + i, j0 + j));
-    out_.grids.push_back({base, width, width, grid_origin_, 0});
+    out_.grids.push_back({base, width, width, grid_origin_, 0, std::countr_zero(step)});
   }
 
   bool is_shown_together(std::uint32_t v, std::uint32_t w) const {
@@ -155,6 +156,7 @@ class Tessellator {
   }
 
   const Mesh& mesh_;
+  const int level_;
   const LimitSurface surface_;
   const std::vector<Vec2d> uv_;
   std::vector<std::uint32_t> grid_vertices_, shared_;
@@ -172,7 +174,7 @@ LimitSurface shown_surface(const CellMesh& cell, const std::optional<RefineOptio
 
 std::size_t Tessellation::bytes() const {
   return capacity_bytes(positions) + capacity_bytes(normals) + capacity_bytes(uv) + capacity_bytes(grids) +
-         capacity_bytes(triangles) + capacity_bytes(triangle_sources) + capacity_bytes(uv_frames) +
+         capacity_bytes(triangles) + capacity_bytes(triangle_sources) + capacity_bytes(leaves) +
          capacity_bytes(origins);
 }
 
@@ -182,9 +184,9 @@ Bounds3f Tessellation::bounds() const {
   return b;
 }
 
-Tessellation tessellate(const CellMesh& cell, std::span<const std::uint32_t> root_corners, int refinements,
+Tessellation tessellate(const CellMesh& cell, int level, std::span<const std::uint32_t> root_corners, int refinements,
                         const std::optional<RefineOptions>& smoothing) {
-  Tessellator tessellator(cell, smoothing);
+  Tessellator tessellator(cell, level, smoothing);
   if (refinements < 1) {
     for (std::uint32_t f = 0; f < cell.owned_faces; ++f) tessellator.add_polygon(f);
     return tessellator.take();

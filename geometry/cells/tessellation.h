@@ -19,11 +19,17 @@ struct Tessellation {
     std::uint32_t first_vertex;
     std::uint16_t width, height;
     std::uint32_t origin;
-    std::uint32_t uv_frame;
+    std::uint32_t leaf;
+    int coarser = 0;  // by so many refinements than the leaf's other faces may be
   };
   struct TriangleSource {
     std::uint32_t origin;
-    std::uint32_t uv_frame;
+    std::uint32_t leaf;
+  };
+  // What all of one leaf cell share; there are several only where many were put together.
+  struct Leaf {
+    UvFrame uv_frame;
+    int level = 0;  // steps of the model that were done
   };
 
   std::vector<Vec3f> positions;
@@ -32,7 +38,7 @@ struct Tessellation {
   std::vector<Grid> grids;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<TriangleSource> triangle_sources;
-  std::vector<UvFrame> uv_frames;
+  std::vector<Leaf> leaves;
   std::vector<FaceOrigin> origins;
   std::uint64_t face_count = 0;  // owned faces of the final mesh, before polygons were cut into triangles
 
@@ -58,11 +64,12 @@ void for_each_triangle(const Tessellation& t, const Visit& visit) {
 // that scheme, without, the mesh's own and the means of its face normals.
 LimitSurface shown_surface(const CellMesh& cell, const std::optional<RefineOptions>& smoothing);
 
-// Of the final mesh of a cell with one ring of halo. `root_corners` holds the corner counts of the owned faces from
-// which the last `refinements` Catmull-Clark steps made the mesh (each quad a square of 4^refinements faces, each n-gon
-// n squares of 4^(refinements - 1)). Positions and normals are those of shown_surface(), frozen vertices are shown
-// where they were frozen; squares in which the last refinements made nothing but copies become coarser grids.
-Tessellation tessellate(const CellMesh& cell, std::span<const std::uint32_t> root_corners, int refinements,
+// Of the final mesh of a cell after `level` steps, with one ring of halo. `root_corners` holds the corner counts of the
+// owned faces from which the last `refinements` Catmull-Clark steps made the mesh (each quad a square of 4^refinements
+// faces, each n-gon n squares of 4^(refinements - 1)). Positions and normals are those of shown_surface(), frozen
+// vertices are shown where they were frozen; squares in which the last refinements made nothing but copies become
+// coarser grids.
+Tessellation tessellate(const CellMesh& cell, int level, std::span<const std::uint32_t> root_corners, int refinements,
                         const std::optional<RefineOptions>& smoothing);
 
 }  // namespace meristem

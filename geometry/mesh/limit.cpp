@@ -337,13 +337,15 @@ namespace {
 
 // A leaf of 32 x 32 quads takes some 50 KB, so about 600 shapes stay.
 PlanTable<LimitPlan>& plan_table() {
-  static PlanTable<LimitPlan> table(std::size_t(32) << 20);
+  static PlanTable<LimitPlan> table;
   return table;
 }
 
 }  // namespace
 
 std::size_t limit_plan_bytes() { return plan_table().bytes(); }
+
+void set_limit_plan_capacity(std::size_t bytes) { plan_table().set_capacity(bytes); }
 
 LimitSurface limit_surface(const Mesh& mesh, const LimitPlan& plan) { return LimitMasks(mesh, plan).take(); }
 

@@ -58,5 +58,7 @@ LimitSurface limit_surface(const Mesh& mesh, const LimitPlan& plan);
 LimitSurface limit_surface(const Mesh& mesh, std::uint32_t owned_faces, const RefineOptions& options);
 // What that table holds.
 std::size_t limit_plan_bytes();
+// How much it may hold; see PlanTable.
+void set_limit_plan_capacity(std::size_t bytes);
 
 }  // namespace meristem

@@ -50,7 +50,8 @@ std::size_t Mesh::bytes() const {
   return capacity_bytes(face_starts) + capacity_bytes(corner_vertices) + capacity_bytes(face_keys) +
          capacity_bytes(face_origins) + capacity_bytes(corner_uv) + capacity_bytes(corner_sharpness) +
          capacity_bytes(positions) + capacity_bytes(vertex_keys) + capacity_bytes(uv) +
-         capacity_bytes(vertex_sharpness) + capacity_bytes(origins);
+         capacity_bytes(vertex_sharpness) + capacity_bytes(nominal_scale) + capacity_bytes(frozen) +
+         capacity_bytes(origins);
 }
 
 std::uint32_t Mesh::add_face(std::span<const std::uint32_t> vertices, Key key, std::uint32_t origin) {

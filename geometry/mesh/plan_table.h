@@ -4,7 +4,7 @@
 
 #include "geometry/mesh/mesh.h"
 
-#include <array>
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -27,7 +27,7 @@ ShapeName shape_name(const Mesh& mesh, std::uint32_t owned_faces, std::uint64_t 
 template <class Plan>
 class PlanTable {
  public:
-  explicit PlanTable(std::size_t capacity_bytes) : shard_capacity_bytes_(capacity_bytes / shard_count) {}
+  static constexpr std::size_t most_bytes = std::size_t(32) << 20;
 
   // The plan of a shape; made by make() if the table does not hold it.
   template <class Make>
@@ -41,41 +41,41 @@ class PlanTable {
   // Of the plans it holds.
   std::size_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
 
+  // How many it may hold: at most most_bytes.
+  void set_capacity(std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    capacity_bytes_ = std::min(bytes, most_bytes);
+    make_room(0);
+  }
+
  private:
-  static constexpr std::size_t shard_count = 8;
   struct NameHash {
     std::size_t operator()(const ShapeName& n) const { return n.first; }
   };
-  struct Shard {
-    std::mutex mutex;
-    std::unordered_map<ShapeName, std::shared_ptr<const Plan>, NameHash> plans;  // guarded by mutex
-    std::size_t bytes = 0;                                                       // guarded by mutex
-  };
 
-  Shard& shard_of(const ShapeName& name) { return shards_[name.second % shard_count]; }
   std::shared_ptr<const Plan> find(const ShapeName& name) {
-    Shard& shard = shard_of(name);
-    const std::lock_guard lock(shard.mutex);
-    const auto it = shard.plans.find(name);
-    return it == shard.plans.end() ? nullptr : it->second;
+    const std::lock_guard lock(mutex_);
+    const auto it = plans_.find(name);
+    return it == plans_.end() ? nullptr : it->second;
   }
   void insert(const ShapeName& name, const std::shared_ptr<const Plan>& plan) {
-    Shard& shard = shard_of(name);
-    const std::lock_guard lock(shard.mutex);
+    const std::lock_guard lock(mutex_);
     const std::size_t bytes = plan->bytes();
-    if (shard.bytes + bytes > shard_capacity_bytes_) {  // full: start afresh; what is in use comes back at once
-      shard.plans.clear();
-      bytes_ -= shard.bytes;
-      shard.bytes = 0;
-    }
-    if (!shard.plans.emplace(name, plan).second) return;
-    shard.bytes += bytes;
-    bytes_ += bytes;
+    if (bytes > capacity_bytes_) return;
+    make_room(bytes);
+    if (plans_.emplace(name, plan).second) bytes_ += bytes;
+  }
+  // A full table starts afresh: what is in use comes back at once. Needs mutex_.
+  void make_room(std::size_t bytes) {
+    if (bytes_ + bytes <= capacity_bytes_) return;
+    plans_.clear();
+    bytes_ = 0;
   }
 
-  const std::size_t shard_capacity_bytes_;
-  std::array<Shard, shard_count> shards_;
-  std::atomic<std::size_t> bytes_{0};  // of all shards
+  std::mutex mutex_;                         // held for a look-up: some ten in an expansion
+  std::size_t capacity_bytes_ = most_bytes;  // guarded by mutex_
+  std::unordered_map<ShapeName, std::shared_ptr<const Plan>, NameHash> plans_;  // guarded by mutex_
+  std::atomic<std::size_t> bytes_{0};                                           // written under mutex_
 };
 
 }  // namespace meristem

@@ -265,13 +265,15 @@ namespace {
 
 // A full set of levels of one quad patch is some 150 KB, so about 200 shapes stay.
 PlanTable<RefinePlan>& plan_table() {
-  static PlanTable<RefinePlan> table(std::size_t(32) << 20);
+  static PlanTable<RefinePlan> table;
   return table;
 }
 
 }  // namespace
 
 std::size_t refine_plan_bytes() { return plan_table().bytes(); }
+
+void set_refine_plan_capacity(std::size_t bytes) { plan_table().set_capacity(bytes); }
 
 std::shared_ptr<const RefinePlan> shared_refine_plan(const Mesh& mesh, std::uint32_t owned_faces, int rings_after,
                                                      const RefineOptions& options) {

@@ -89,5 +89,7 @@ std::shared_ptr<const RefinePlan> shared_refine_plan(const Mesh& mesh, std::uint
                                                      const RefineOptions& options);
 // What that table holds.
 std::size_t refine_plan_bytes();
+// How much it may hold; see PlanTable.
+void set_refine_plan_capacity(std::size_t bytes);
 
 }  // namespace meristem

@@ -27,7 +27,6 @@ class AmbientOcclusion : public Integrator {
       ++counts.shadow;
       open = !scene.intersector->occluded(probe);
     }
-    scene.intersector->quiescent();
     return Spectrum(open ? 1.f : 0.f);
   }
 

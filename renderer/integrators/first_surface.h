@@ -11,9 +11,8 @@ namespace meristem {
 inline void report_first(FirstSurface* first, const SurfaceHit& hit, const Bsdf& bsdf) {
   if (!first) return;
   first->hit = hit;
-  first->hit.origin = nullptr;
   first->albedo = bsdf.albedo();
-  first->material = hit.origin ? std::max(hit.origin->material, 0) : 0;
+  first->material = std::max(hit.origin.material, 0);
 }
 
 // One whose material the integrator does not need.

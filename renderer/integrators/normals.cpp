@@ -24,7 +24,6 @@ class Normals : public Integrator {
     } else {
       ++counts.escaped;
     }
-    scene.intersector->quiescent();
     return color;
   }
 

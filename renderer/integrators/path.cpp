@@ -227,9 +227,7 @@ class Walk {
 
 Spectrum Path::radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts,
                         FirstSurface* first) const {
-  const Spectrum result = Walk(*this, scene, sampler, counts, first, ray).follow();
-  scene.intersector->quiescent();
-  return result;
+  return Walk(*this, scene, sampler, counts, first, ray).follow();
 }
 
 }  // namespace

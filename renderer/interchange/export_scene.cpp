@@ -23,7 +23,7 @@ class Coloring {
     std::vector<MeshVertex> vertices(piece.cell_vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const std::uint32_t v = piece.cell_vertices[i];
-      vertices[i] = {cell.positions[v], cell.normals[v].unpack(), cell.uv_frames[0].unpack(cell.uv[v]), {}};
+      vertices[i] = {cell.positions[v], cell.normals[v].unpack(), cell.leaves[0].uv_frame.unpack(cell.uv[v]), {}};
     }
     std::vector<bool> has_color(vertices.size(), false);
     for (const SurfaceWelder::Triangle& t : piece.triangles)

@@ -25,7 +25,7 @@ MaterialLook look_of(const Bsdf& bsdf) {
   return look;
 }
 
-MaterialLook look_at(const Material& material, const FaceOrigin* origin, Vec3f position, Vec3f normal, Vec2f uv) {
+MaterialLook look_at(const Material& material, const FaceOrigin& origin, Vec3f position, Vec3f normal, Vec2f uv) {
   ShadingPoint point;
   point.hit.t = 0;
   point.hit.position = position;
@@ -44,7 +44,7 @@ MaterialLooks::MaterialLooks(const Scene& scene) : scene_(scene), entries_(scene
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     MaterialLook& look = entries_[i].look;
     if (scene.materials[i]->is_uniform())
-      look = look_at(*scene.materials[i], nullptr, {}, {0, 1, 0}, {});
+      look = look_at(*scene.materials[i], FaceOrigin{}, {}, {0, 1, 0}, {});
     else
       look.varies = true;
     look.name = scene.names.materials[i];
@@ -65,7 +65,7 @@ Spectrum MaterialLooks::color_at(const FaceOrigin& origin, Vec3f position, Vec3f
   MaterialLook& mean = entry.look;
   mean.is_used = true;
   if (!mean.varies) return mean.base_color;
-  const MaterialLook look = look_at(*scene_.materials[index], &origin, position, normal, uv);
+  const MaterialLook look = look_at(*scene_.materials[index], origin, position, normal, uv);
   const auto share = float(1 / ++entry.samples);
   mean.base_color = mixed(mean.base_color, look.base_color, share);
   mean.metalness = std::lerp(mean.metalness, look.metalness, share);

@@ -39,7 +39,7 @@ Spectrum TriangleLight::emission(Vec2f w, Vec3f towards) const {
   const Vec2f uv = triangle_.uv[0] * (1 - w.x - w.y) + triangle_.uv[1] * w.x + triangle_.uv[2] * w.y;
   point.hit.u = uv.x;
   point.hit.v = uv.y;
-  point.hit.origin = &triangle_.origin;
+  point.hit.origin = triangle_.origin;
   point.wo = towards;
   return material_.emission(point);
 }

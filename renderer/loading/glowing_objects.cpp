@@ -19,7 +19,7 @@ double estimated_faces(const Model& model) {
 
 const Material& material_of(const Scene& scene, const FaceOrigin& origin) {
   SurfaceHit hit;
-  hit.origin = &origin;
+  hit.origin = origin;
   return scene.material_of(hit);
 }
 
@@ -41,7 +41,7 @@ class Triangles {
     LightTriangle triangle{{}, {}, surface.origins[origin], index_};
     for (std::size_t k = 0; k < 3; ++k) {
       triangle.corners[k] = Vec3f(object_.to_parent.point(Vec3d(surface.positions[corners[k]])));
-      triangle.uv[k] = surface.uv_frames[0].unpack(surface.uv[corners[k]]);
+      triangle.uv[k] = surface.leaves[0].uv_frame.unpack(surface.uv[corners[k]]);
     }
     scene_.lights.push_back(std::make_unique<TriangleLight>(triangle, material));
   }

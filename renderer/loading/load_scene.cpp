@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -81,7 +82,7 @@ class SceneBuilder {
       result.objects = std::move(world);
       result.footprint = camera_footprint(*scene_);
     } else {
-      make_intersector(std::move(world));
+      make_intersector(std::move(world), render ? render->location : file.location);
     }
     if (!options_.check_only) scene_->prepare();
     result.scene = std::move(scene_);
@@ -93,10 +94,24 @@ class SceneBuilder {
   }
 
  private:
-  void make_intersector(std::vector<Placement> world) {
+  void make_intersector(std::vector<Placement> world, const Location& where) {
     const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
-    scene_->intersector = make_world(std::move(world), {options_.expand, scene_->settings.budget_bytes, threads,
-                                                        camera_footprint(*scene_), options_.record});
+    const WorldOptions world_options{options_.expand, scene_->settings.budget_bytes, threads, camera_footprint(*scene_),
+                                     options_.record};
+    check_budget(world, world_options, where);
+    scene_->intersector = make_world(std::move(world), world_options);
+  }
+
+  void check_budget(const std::vector<Placement>& world, const WorldOptions& options, const Location& where) {
+    constexpr double mebibyte = 1 << 20;
+    const double least = double(least_budget(world, options)) / mebibyte,
+                 given = double(options.budget_bytes) / mebibyte;
+    if (given >= least) return;
+    diagnostics_.error(where,
+                       fmt::format("the budget of {:.3g} MiB is too small: a ray of each of {} threads needs {:.3g} "
+                                   "MiB; at least --budget {:.0f}M, or fewer --threads",
+                                   given, options.threads, least, std::ceil(least)));
+    diagnostics_.throw_if_errors();
   }
 
   std::string folder() const {

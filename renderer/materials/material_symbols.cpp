@@ -31,12 +31,12 @@ const Symbols& material_symbols() {
 
 MaterialValues::MaterialValues(const ShadingPoint& point) {
   const SurfaceHit& hit = point.hit;
-  if (hit.origin) key = hit.origin->key;
+  key = hit.origin.key;
   const Vec3f key_value(uniform_float(scramble(key)));
   const std::array<Vec3f, 6> first{Vec3f(hit.u), Vec3f(hit.v), hit.position, hit.shading_normal, -point.wo, key_value};
   std::copy(first.begin(), first.end(), values.begin());
   for (int i = 0; i < max_growth_parameters; ++i)
-    values[std::size_t(6 + i)] = Vec3f(hit.origin ? hit.origin->parameters[std::size_t(i)] : 0.f);
+    values[std::size_t(6 + i)] = Vec3f(hit.origin.parameters[std::size_t(i)]);
 }
 
 ScalarParameter::ScalarParameter(Params& params, const Symbols& symbols, const char* name, const char* fallback,

@@ -57,6 +57,7 @@ Value expansion_value(const ExpansionStatistics& e) {
                        {"resident_bytes_peak", json::count(e.resident_bytes_peak)},
                        {"limbo_bytes_peak", json::count(e.limbo_bytes_peak)},
                        {"plan_bytes", json::count(e.plan_bytes)},
+                       {"total_bytes_peak", json::count(e.total_bytes_peak)},
                        {"defects", json::array(std::move(defects))},
                        {"by_step", json::array(std::move(steps))}});
 }
@@ -130,9 +131,10 @@ std::string details(const RenderStatistics& s) {
   std::string text = fmt::format("threads {}, load {:.2f} s, render {:.2f} s\n", s.threads, s.load_s, s.render_s);
   text += fmt::format("rays: camera {}, bounce {}, shadow {}\n", format_count(s.rays.camera),
                       format_count(s.rays.bounce), format_count(s.rays.shadow));
-  text += fmt::format("cells: expanded {} (again {}), evicted {}, failed {}; at most {} resident, {} leaving\n",
-                      format_count(e.cells_expanded), format_count(e.reexpanded), format_count(e.evicted),
-                      format_count(e.failed), format_bytes(e.resident_bytes_peak), format_bytes(e.limbo_bytes_peak));
+  text += fmt::format(
+      "cells: expanded {} (again {}), evicted {}, failed {}; at most {} resident, {} leaving, {} in all\n",
+      format_count(e.cells_expanded), format_count(e.reexpanded), format_count(e.evicted), format_count(e.failed),
+      format_bytes(e.resident_bytes_peak), format_bytes(e.limbo_bytes_peak), format_bytes(e.total_bytes_peak));
   if (e.plan_bytes > 0) text += fmt::format("shared refinement plans: {}\n", format_bytes(e.plan_bytes));
   for (const StepStatistics& step : e.by_step)
     text += fmt::format("  {:<16} {:<28} {:>12} cells {:>14} faces {:>9.3f} s\n", step.model, step.step,

@@ -46,7 +46,7 @@ class Scene {
   }
 
   const Material& material_of(const SurfaceHit& hit) const {
-    const int i = hit.origin ? hit.origin->material : 0;
+    const int i = hit.origin.material;
     return *materials[i >= 0 && std::size_t(i) < materials.size() ? std::size_t(i) : 0];
   }
 };

@@ -153,7 +153,6 @@ void RenderSession::take_sample(Worker& worker, int x, int y, std::uint32_t samp
   result.covered = worker.rays.escaped == escaped_before;
   if (first.hit.valid()) result.depth = dot(first.hit.position - view_axis_.origin, view_axis_.direction);
   film_.add(x, y, result);
-  scene_.intersector->quiescent();
 }
 
 void RenderSession::measure_sample(Worker& worker, const Ray& ray, FirstSurface& first, FilmSample& sample) {

@@ -100,7 +100,6 @@ TEST(Instances, LazyAndEagerGiveTheSameBits) {
     EXPECT_EQ(a.t, b.t);
     EXPECT_EQ(a.position, b.position);
     EXPECT_EQ(a.u, b.u);
-    lazy->quiescent();
   }
   EXPECT_GT(lazy->statistics().reexpanded, 0u);
   EXPECT_TRUE(lazy->statistics().defects.empty());

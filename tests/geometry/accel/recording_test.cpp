@@ -24,7 +24,6 @@ Traced trace(bool record) {
     const Vec3f from{float(6 * std::cos(a)), float(1 + 3 * z), float(6 * std::sin(a))};
     SurfaceHit hit;
     result.distances.push_back(world->intersect({from, normalize(Vec3f{0, 1, 0} - from)}, hit) ? hit.t : -1);
-    world->quiescent();
   }
   result.statistics = world->statistics();
   result.profile = world->profile();

@@ -1,6 +1,7 @@
 #include "geometry/accel/world.h"
 
 #include "geometry/base/parallel.h"
+#include "tests/support/point_footprint.h"
 #include "tests/support/test_model.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +41,7 @@ std::uint64_t bits_of(const SurfaceHit& hit) {
     std::memcpy(&bits, &x, 4);
     h = hash_keys(h, bits);
   }
-  return hash_keys(h, hit.origin ? hit.origin->key : 0);
+  return hash_keys(h, hit.origin.key);
 }
 
 struct Traced {
@@ -60,7 +61,6 @@ Traced trace(const std::shared_ptr<const Model>& model, const WorldOptions& opti
         const bool found = world->intersect(ray_towards(Key(i)), hit);
         result.hits[std::size_t(i)] = found ? bits_of(hit) : 0;
         EXPECT_EQ(world->occluded(ray_towards(Key(i))), found);
-        world->quiescent();
       }
   });
   result.statistics = world->statistics();
@@ -69,18 +69,62 @@ Traced trace(const std::shared_ptr<const Model>& model, const WorldOptions& opti
 
 const CellSettings small_cells{64, 64};
 
+std::size_t least_bytes(const std::shared_ptr<const Model>& model, int threads) {
+  return least_budget({place(model)}, {.budget_bytes = 1, .threads = threads});
+}
+
 TEST(World, LazyAndEagerGiveTheSameBitsForAnyThreadsAndBudget) {
   const auto model = bumpy_model(shapes::prism(8), 5, 0.1, small_cells);
   constexpr int rays = 128;  // enough that the smaller budgets evict and expand again
   const Traced eager = trace(model, {.mode = ExpandMode::Eager}, 1, rays);
   EXPECT_EQ(eager.statistics.evicted, 0u);
-  for (int threads : {1, 2, 8})
-    for (std::size_t budget : {std::size_t(200) << 10, std::size_t(800) << 10, std::size_t(1) << 40}) {
+  const std::size_t all = eager.statistics.resident_bytes_peak;
+  for (int threads : {1, 2, 8}) {
+    const std::size_t least = least_bytes(model, threads);
+    for (std::size_t budget : {least, std::max(least, all / 16), all / 4, std::size_t(1) << 40}) {
       const Traced lazy = trace(model, {.mode = ExpandMode::Lazy, .budget_bytes = budget}, threads, rays);
       EXPECT_TRUE(lazy.hits == eager.hits) << threads << " threads, " << budget << " bytes";
       EXPECT_TRUE(lazy.statistics.defects.empty());
-      EXPECT_EQ(lazy.statistics.reexpanded > 0, budget < std::size_t(1) << 20);
+      EXPECT_EQ(lazy.statistics.reexpanded > 0, budget < all / 2);
+      // Resident, in limbo, plans and roots together: beyond the budget only the cells in flight
+      EXPECT_LE(lazy.statistics.total_bytes_peak, budget + least) << threads << " threads";
     }
+  }
+}
+
+TEST(World, TheLeastBudgetIsAChainOfCellsForEachThread) {
+  const auto model = bumpy_model(shapes::prism(8), 5, 0.1, small_cells);
+  const std::size_t one = least_bytes(model, 1), eight = least_bytes(model, 8);
+  EXPECT_GT(one, 10000u);
+  EXPECT_LT(one, trace(model, {.mode = ExpandMode::Eager}, 1, 1).statistics.resident_bytes_peak / 4);
+  EXPECT_NEAR(double(eight) / double(one), 8, 0.5);
+  EXPECT_EQ(least_budget({place(model)}, {.budget_bytes = std::size_t(1) << 40, .threads = 8}), 0u) << "ample";
+  EXPECT_EQ(least_budget({place(model)}, {.mode = ExpandMode::Eager, .budget_bytes = 1}), 0u);
+}
+
+// How fine the surface is where it was met.
+TEST(World, HitsKnowTheLevelOfTheirFaces) {
+  constexpr int levels = 7;
+  const auto model = bumpy_model(shapes::cube(), levels, 0, small_cells);
+  const auto mean_level = [&](double pixel) {
+    WorldOptions options;
+    if (pixel > 0) options.footprint = std::make_shared<PointFootprint>(Vec3d{6, 1, 0}, pixel);
+    const auto world = world_of(model, options);
+    double sum = 0;
+    int hits = 0;
+    for (int i = 0; i < 1000; ++i) {
+      SurfaceHit hit;
+      if (!world->intersect(ray_towards(Key(i)), hit)) continue;
+      EXPECT_TRUE(hit.level >= 1 && hit.level <= levels);
+      sum += hit.level;
+      ++hits;
+    }
+    return sum / hits;
+  };
+  EXPECT_EQ(mean_level(0), levels) << "everything in full";
+  const double fine = mean_level(0.005), coarse = mean_level(0.01);
+  EXPECT_LT(fine, levels);
+  EXPECT_NEAR(fine - coarse, 1, 0.2) << "faces twice as large: one level less";
 }
 
 TEST(World, LazyExpandsOnlyWhatRaysEnter) {

@@ -61,13 +61,12 @@ class RecordedCache {
     class_ = recorder_.class_of({"oak", 2, "leaf", true});
   }
   void use(std::size_t cell) {
-    cache_.enter();
-    cache_.acquire(slots_[cell], nullptr, [&] {
+    const GeometryCache::Visit visit(cache_);
+    cache_.acquire(slots_[cell], nullptr, {}, [&] {
       const double start_s = recorder_.now_s();
       recorder_.add_expansion({class_, start_s, start_s, recorder_.now_s(), 16, 100, 3});
       return std::make_unique<Entry>(CellLabel{cell + 1, class_, true, 40}, 100);
     });
-    cache_.leave();
   }
   ExpansionProfile profile() const { return recorder_.profile(); }
   CacheStatistics statistics() const { return cache_.statistics(); }

@@ -44,15 +44,14 @@ class FlatCache {
  public:
   FlatCache(std::size_t entries, std::size_t budget_bytes) : traces_(entries), slots_(entries), cache(budget_bytes) {}
 
-  TracedEntry* acquire(std::size_t i) {
+  TracedEntry* acquire(std::size_t i, const RayUse& use = {}) {
     return static_cast<TracedEntry*>(
-        cache.acquire(slots_[i], nullptr, [this, i] { return std::make_unique<TracedEntry>(traces_[i], 100); }));
+        cache.acquire(slots_[i], nullptr, use, [this, i] { return std::make_unique<TracedEntry>(traces_[i], 100); }));
   }
-  // Uses entries as a camera path does.
+  // Uses entries as a ray does.
   void use(std::initializer_list<std::size_t> entries) {
-    cache.enter();
+    const GeometryCache::Visit visit(cache);
     for (std::size_t i : entries) acquire(i);
-    cache.leave();
   }
   bool is_resident(std::size_t i) const { return slots_[i].state() == CacheSlot::State::Resident; }
   const Trace& trace(std::size_t i) const { return traces_[i]; }
@@ -85,10 +84,9 @@ TEST(GeometryCache, ManyThreadsExpandASlotOnce) {
   run_threads(8, [&](int) {
     for (std::size_t i = 0; i < 64; ++i) {
       together.arrive_and_wait();
-      f.cache.enter();
+      const GeometryCache::Visit visit(f.cache);
       const TracedEntry* entry = f.acquire(i);
       EXPECT_TRUE(entry && entry->is_valid());
-      f.cache.leave();
     }
   });
   for (std::size_t i = 0; i < 64; ++i) EXPECT_EQ(f.trace(i).expanded, 1) << i;
@@ -101,12 +99,11 @@ TEST(GeometryCache, OthersWaitForTheThreadThatExpands) {
   GeometryCache cache(1000);
   std::atomic<int> found{0};
   run_threads(3, [&](int) {
-    cache.enter();
-    found += cache.acquire(slot, nullptr, [&]() -> std::unique_ptr<CacheEntry> {
+    const GeometryCache::Visit visit(cache);
+    found += cache.acquire(slot, nullptr, {}, [&]() -> std::unique_ptr<CacheEntry> {
       while (cache.statistics().waits < 2) std::this_thread::yield();  // both others have come
       return std::make_unique<TracedEntry>(trace, 1);
     }) != nullptr;
-    cache.leave();
   });
   EXPECT_EQ(found, 3);
   EXPECT_EQ(trace.expanded, 1);
@@ -134,12 +131,13 @@ TEST(GeometryCache, AnEntryLargerThanTheBudgetStaysForItsUser) {
   CacheSlot large, small;
   GeometryCache cache(10);
   const auto make = [&] { return std::make_unique<TracedEntry>(trace, 100); };
-  cache.enter();
-  EXPECT_NE(cache.acquire(large, nullptr, make), nullptr);
-  EXPECT_EQ(large.state(), CacheSlot::State::Resident);
-  cache.leave();
-  cache.acquire(small, nullptr, make);
-  cache.acquire(large, nullptr, make);  // the used bits of both had been cleared by then
+  {
+    const GeometryCache::Visit visit(cache);
+    EXPECT_NE(cache.acquire(large, nullptr, {}, make), nullptr);
+    EXPECT_EQ(large.state(), CacheSlot::State::Resident);
+  }
+  cache.acquire(small, nullptr, {}, make);
+  cache.acquire(large, nullptr, {}, make);  // the used bits of both had been cleared by then
   EXPECT_EQ(cache.statistics().resident_bytes, 100u);
 }
 
@@ -163,11 +161,11 @@ TEST(GeometryCache, ParentsLeaveAfterTheirChildren) {
   CacheSlot root, others[3];
   GeometryCache cache(250);
   auto* parent = static_cast<TracedEntry*>(
-      cache.acquire(root, nullptr, [&] { return std::make_unique<TracedEntry>(parent_trace, 50, 2); }));
+      cache.acquire(root, nullptr, {}, [&] { return std::make_unique<TracedEntry>(parent_trace, 50, 2); }));
   for (std::size_t i = 0; i < 2; ++i)
-    cache.acquire(parent->slots[i], parent, [&] { return std::make_unique<TracedEntry>(child_traces[i], 100); });
+    cache.acquire(parent->slots[i], parent, {}, [&] { return std::make_unique<TracedEntry>(child_traces[i], 100); });
   const auto acquire_other = [&](int i) {
-    cache.acquire(others[i], nullptr, [&] { return std::make_unique<TracedEntry>(other_trace, 100); });
+    cache.acquire(others[i], nullptr, {}, [&] { return std::make_unique<TracedEntry>(other_trace, 100); });
   };
   acquire_other(0);  // the oldest is the parent, but a child has to go
   EXPECT_EQ(root.state(), CacheSlot::State::Resident);
@@ -186,7 +184,7 @@ TEST(GeometryCache, AncestorsOfTheNewestEntryStayBeyondTheBudget) {
   GeometryCache cache(1);
   TracedEntry* entry = nullptr;
   for (Trace& trace : traces)
-    entry = static_cast<TracedEntry*>(cache.acquire(entry ? entry->slots[0] : root, entry,
+    entry = static_cast<TracedEntry*>(cache.acquire(entry ? entry->slots[0] : root, entry, {},
                                                     [&] { return std::make_unique<TracedEntry>(trace, 100, 1); }));
   for (const Trace& trace : traces) EXPECT_TRUE(trace.is_alive());
   EXPECT_EQ(cache.statistics().resident_bytes, 300u);
@@ -197,62 +195,118 @@ TEST(GeometryCache, WhatARayUsesOutlivesItsEviction) {
   std::barrier step(2);
   run_threads(2, [&](int thread) {
     if (thread == 0) {
-      f.cache.enter();
-      const TracedEntry* used = f.acquire(0);
-      step.arrive_and_wait();  // the other evicts it
-      step.arrive_and_wait();
-      EXPECT_FALSE(f.is_resident(0));
-      EXPECT_TRUE(f.trace(0).is_alive());
-      EXPECT_TRUE(used->is_valid());
-      f.cache.leave();
+      {
+        const GeometryCache::Visit visit(f.cache);
+        const TracedEntry* used = f.acquire(0);
+        step.arrive_and_wait();  // the other evicts it
+        step.arrive_and_wait();
+        EXPECT_FALSE(f.is_resident(0));
+        EXPECT_TRUE(f.trace(0).is_alive());
+        EXPECT_TRUE(used->is_valid());
+      }
       step.arrive_and_wait();
     } else {
       step.arrive_and_wait();
-      f.use({1, 2, 3});
+      f.use({1, 2});
       EXPECT_GE(f.cache.statistics().limbo_bytes, 100u);
+      EXPECT_EQ(f.cache.statistics().overdrafts, 1u) << "2 had to wait for what 1 had evicted, in vain";
       step.arrive_and_wait();
       step.arrive_and_wait();  // the user has left
       f.use({4});
       EXPECT_FALSE(f.trace(0).is_alive());
     }
   });
-  EXPECT_GE(f.cache.statistics().limbo_bytes_peak, 300u);
+  EXPECT_EQ(f.cache.statistics().limbo_bytes, 0u);
 }
 
-TEST(GeometryCache, AThreadThatEntersLaterDoesNotHoldEarlierEntries) {
-  FlatCache f(4, 100);
-  f.use({0});
-  f.cache.enter();
-  f.acquire(1);  // evicts 0, which this very thread might use
-  EXPECT_TRUE(f.trace(0).is_alive());
-  f.cache.leave();
-  f.cache.enter();
-  f.acquire(2);
+// A ray that goes on and on keeps what it is in and its nearest hit, and nothing else of what it has met.
+TEST(GeometryCache, ARayKeepsWhatItNamesAlone) {
+  FlatCache f(40, 100);
+  const GeometryCache::Visit visit(f.cache);
+  TracedEntry* const cell = f.acquire(0);
+  const UsedEntry in_cell{cell, nullptr};
+  RayUse use{&in_cell, nullptr};
+  TracedEntry* const hit = f.acquire(1, use);
+  use.nearest = hit;
+  for (std::size_t i = 2; i < 40; ++i) {
+    EXPECT_TRUE(f.acquire(i, use)->is_valid());
+    EXPECT_TRUE(cell->is_valid() && hit->is_valid());
+    EXPECT_LE(f.cache.statistics().resident_bytes + f.cache.statistics().limbo_bytes, 400u);
+  }
+  for (std::size_t i = 2; i < 38; ++i) EXPECT_FALSE(f.trace(i).is_alive()) << i;
+  EXPECT_EQ(f.cache.statistics().overdrafts, 0u);
+}
+
+// What is evicted while it is held by name waits for the ray that names it once more.
+TEST(GeometryCache, WhatWasEvictedMeanwhileStaysForTheRayThatNamesIt) {
+  FlatCache f(8, 100);
+  std::barrier step(2);
+  run_threads(2, [&](int thread) {
+    if (thread == 1) {
+      step.arrive_and_wait();
+      f.use({1});  // evicts 0, which the ray in flight uses
+      EXPECT_FALSE(f.is_resident(0));
+      step.arrive_and_wait();
+      return;
+    }
+    const GeometryCache::Visit visit(f.cache);
+    TracedEntry* const used = f.acquire(0);
+    step.arrive_and_wait();
+    step.arrive_and_wait();
+    const UsedEntry in_cell{used, nullptr};
+    for (std::size_t i = 2; i < 8; ++i) {
+      f.acquire(i, {&in_cell, nullptr});
+      EXPECT_TRUE(used->is_valid());
+    }
+  });
+  f.use({7, 1});
   EXPECT_FALSE(f.trace(0).is_alive());
-  EXPECT_TRUE(f.trace(1).is_alive());
-  f.cache.leave();
 }
 
 TEST(GeometryCache, AChildOfAnEvictedParentIsUsedOnceAndThrownAway) {
   Trace parent_trace, child_trace, other_trace;
   CacheSlot root, other;
   GeometryCache cache(100);
-  cache.enter();
-  auto* parent = static_cast<TracedEntry*>(
-      cache.acquire(root, nullptr, [&] { return std::make_unique<TracedEntry>(parent_trace, 100, 1); }));
-  cache.acquire(other, nullptr, [&] { return std::make_unique<TracedEntry>(other_trace, 100); });
-  ASSERT_EQ(root.state(), CacheSlot::State::Empty);
-  ASSERT_TRUE(parent->is_valid());
-  auto* child = static_cast<TracedEntry*>(
-      cache.acquire(parent->slots[0], parent, [&] { return std::make_unique<TracedEntry>(child_trace, 100); }));
-  EXPECT_TRUE(child->is_valid());
-  EXPECT_EQ(cache.statistics().resident_bytes, 100u);
-  EXPECT_EQ(cache.statistics().limbo_bytes, 200u);
-  cache.leave();
-  cache.enter();
-  cache.acquire(root, nullptr, [&] { return std::make_unique<TracedEntry>(other_trace, 100, 1); });
+  std::barrier step(2);
+  run_threads(2, [&](int thread) {
+    const GeometryCache::Visit visit(cache);
+    if (thread == 1) {
+      step.arrive_and_wait();
+      cache.acquire(other, nullptr, {}, [&] { return std::make_unique<TracedEntry>(other_trace, 100); });
+      step.arrive_and_wait();
+      return;
+    }
+    auto* parent = static_cast<TracedEntry*>(
+        cache.acquire(root, nullptr, {}, [&] { return std::make_unique<TracedEntry>(parent_trace, 100, 1); }));
+    step.arrive_and_wait();
+    step.arrive_and_wait();
+    ASSERT_EQ(root.state(), CacheSlot::State::Empty);
+    ASSERT_TRUE(parent->is_valid());
+    auto* child = static_cast<TracedEntry*>(
+        cache.acquire(parent->slots[0], parent, {}, [&] { return std::make_unique<TracedEntry>(child_trace, 100); }));
+    EXPECT_TRUE(child->is_valid());
+    EXPECT_EQ(parent->slots[0].state(), CacheSlot::State::Empty);
+    EXPECT_EQ(cache.statistics().limbo_bytes, 200u);
+  });
+  cache.acquire(root, nullptr, {}, [&] { return std::make_unique<TracedEntry>(other_trace, 100, 1); });
   EXPECT_FALSE(parent_trace.is_alive() || child_trace.is_alive());
-  cache.leave();
+}
+
+TEST(GeometryCache, WhatIsHeldBesideItCountsAgainstTheBudget) {
+  Trace trace;
+  CacheSlot slots[8];
+  std::size_t others = 0;
+  GeometryCache cache(500, nullptr, [&] { return others; });
+  const auto use = [&](int i) {
+    const GeometryCache::Visit visit(cache);
+    cache.acquire(slots[i], nullptr, {}, [&] { return std::make_unique<TracedEntry>(trace, 100); });
+  };
+  for (int i = 0; i < 5; ++i) use(i);
+  EXPECT_EQ(cache.statistics().resident_bytes, 500u);
+  others = 300;
+  use(5);
+  EXPECT_EQ(cache.statistics().resident_bytes, 200u);
+  EXPECT_EQ(cache.statistics().total_bytes_peak, 600u) << "one beyond the budget: what went for the sixth";
 }
 
 TEST(GeometryCache, AFailureIsRememberedAndReachesAllWhoWait) {
@@ -261,12 +315,11 @@ TEST(GeometryCache, AFailureIsRememberedAndReachesAllWhoWait) {
   std::atomic<int> tries{0}, found{0};
   run_threads(8, [&](int) {
     for (int i = 0; i < 10; ++i) {
-      cache.enter();
-      found += cache.acquire(slot, nullptr, [&]() -> std::unique_ptr<CacheEntry> {
+      const GeometryCache::Visit visit(cache);
+      found += cache.acquire(slot, nullptr, {}, [&]() -> std::unique_ptr<CacheEntry> {
         ++tries;
         throw std::runtime_error("on purpose");
       }) != nullptr;
-      cache.leave();
     }
   });
   EXPECT_EQ(tries, 1);
@@ -281,20 +334,18 @@ TEST(GeometryCache, AFailedChildDoesNotHoldItsParent) {
   CacheSlot root, other;
   GeometryCache cache(100);
   auto* parent = static_cast<TracedEntry*>(
-      cache.acquire(root, nullptr, [&] { return std::make_unique<TracedEntry>(parent_trace, 100, 1); }));
+      cache.acquire(root, nullptr, {}, [&] { return std::make_unique<TracedEntry>(parent_trace, 100, 1); }));
   const auto fail = []() -> std::unique_ptr<CacheEntry> { throw std::runtime_error("on purpose"); };
-  EXPECT_EQ(cache.acquire(parent->slots[0], parent, fail), nullptr);
-  cache.acquire(other, nullptr, [&] { return std::make_unique<TracedEntry>(other_trace, 100); });
+  EXPECT_EQ(cache.acquire(parent->slots[0], parent, {}, fail), nullptr);
+  cache.acquire(other, nullptr, {}, [&] { return std::make_unique<TracedEntry>(other_trace, 100); });
   EXPECT_FALSE(parent_trace.is_alive());
 }
 
 TEST(GeometryCache, ThreadsThatComeAndGoShareNoIndex) {
   FlatCache f(8, 100);
-  f.cache.enter();
-  const TracedEntry* used = f.acquire(0);
+  f.use({0});
   for (int i = 0; i < 2 * GeometryCache::max_threads; ++i) std::jthread([&] { f.use({1, 2}); });
-  EXPECT_TRUE(used->is_valid());
-  f.cache.leave();
+  EXPECT_FALSE(f.trace(0).is_alive());
 }
 
 TEST(GeometryCache, DestroysWhatItHolds) {
@@ -302,10 +353,10 @@ TEST(GeometryCache, DestroysWhatItHolds) {
   CacheSlot slots[3];
   {
     GeometryCache cache(250);
-    cache.enter();
+    const GeometryCache::Visit visit(cache);
     for (CacheSlot& slot : slots)
-      cache.acquire(slot, nullptr, [&] { return std::make_unique<TracedEntry>(trace, 100); });
-    EXPECT_EQ(cache.statistics().limbo_bytes, 100u);
+      cache.acquire(slot, nullptr, {}, [&] { return std::make_unique<TracedEntry>(trace, 100); });
+    EXPECT_EQ(trace.destroyed, 1);
   }
   EXPECT_EQ(trace.expanded, 3);
   EXPECT_EQ(trace.destroyed, 3);
@@ -321,12 +372,18 @@ class Tree {
   void walk(Key path) {
     CacheSlot* slot = &root_;
     TracedEntry* entry = nullptr;
+    std::array<UsedEntry, depth> used{};
+    RayUse use;
     for (std::size_t level = 0; level < depth; ++level) {
-      entry = static_cast<TracedEntry*>(cache.acquire(
-          *slot, entry, [&] { return std::make_unique<TracedEntry>(trace, 100, level + 1 < depth ? branching : 0); }));
+      entry = static_cast<TracedEntry*>(cache.acquire(*slot, entry, use, [&] {
+        return std::make_unique<TracedEntry>(trace, 100, level + 1 < depth ? branching : 0);
+      }));
       ASSERT_TRUE(entry && entry->is_valid());
+      used[level] = {entry, use.cells};
+      use.cells = &used[level];
       if (!entry->slots.empty()) slot = &entry->slots[hash_keys(path, level) % branching];
     }
+    for (const UsedEntry& u : used) ASSERT_TRUE(static_cast<TracedEntry*>(u.entry)->is_valid());
   }
 
   Trace trace;
@@ -344,18 +401,18 @@ TEST(GeometryCache, ManyThreadsInATinyBudget) {
     Tree tree(budget);
     run_threads(threads, [&](int thread) {
       for (int i = 0; i < paths; ++i) {
-        tree.cache.enter();
+        const GeometryCache::Visit visit(tree.cache);
         tree.walk(hash_keys(Key(thread), Key(i)));
         tree.walk(hash_keys(Key(thread), Key(i), 1));
-        tree.cache.leave();
       }
     });
     const CacheStatistics s = tree.cache.statistics();
     EXPECT_EQ(s.expansions, std::uint64_t(tree.trace.expanded.load()));
     EXPECT_GT(s.evictions, 100u);
     EXPECT_EQ(s.failures, 0u);
-    // Beyond the budget at most what cannot leave: each thread's newest entry and its two ancestors
-    EXPECT_LE(s.resident_bytes_peak, budget + threads * Tree::depth * 100);
+    // Beyond the budget at most the cells in flight: of each thread the newest, its ancestors, and what went for it
+    EXPECT_LE(s.total_bytes_peak, budget + threads * (Tree::depth + 1) * 100);
+    EXPECT_EQ(s.overdrafts, 0u);
     EXPECT_EQ((s.resident_bytes + s.limbo_bytes) / 100, std::uint64_t(tree.trace.expanded - tree.trace.destroyed));
   }
 }

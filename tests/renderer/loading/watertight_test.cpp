@@ -126,7 +126,6 @@ void walk_inside(const Intersector& world, const Intersector& flat, const Border
     counts.between_cells += escapes && flat.occluded(aimed);
     // Thin ends are left again before rounding matters
     p = hit.t > 0.02f ? p + direction(key) * (hit.t * 0.5f) : start;
-    world.quiescent();
   }
 }
 

@@ -18,9 +18,8 @@ struct OpenPbrTest : testing::Test {
     point.hit.v = 0.75f;
     point.hit.position = {1, 2, 3};
     point.wo = {0, 1, 0};
-    origin.key = 17;
-    origin.parameters = {0.5f, 0.1f};
-    point.hit.origin = &origin;
+    point.hit.origin.key = 17;
+    point.hit.origin.parameters = {0.5f, 0.1f};
   }
   Bsdf bsdf(const std::string& text) {
     Bsdf result;
@@ -28,7 +27,6 @@ struct OpenPbrTest : testing::Test {
     return result;
   }
 
-  FaceOrigin origin;
   ShadingPoint point;
 };
 
@@ -50,12 +48,12 @@ TEST_F(OpenPbrTest, ParametersAreExpressionsOfTheHit) {
   EXPECT_FLOAT_EQ(bsdf(R"({ "specular_roughness": "p1" })").alpha, 0.01f);
   const float key = bsdf(R"({ "geometry_opacity": "key" })").opacity;
   EXPECT_TRUE(key > 0 && key < 1);
-  origin.key = 18;
+  point.hit.origin.key = 18;
   EXPECT_NE(bsdf(R"({ "geometry_opacity": "key" })").opacity, key);
 }
 
 TEST_F(OpenPbrTest, FacesWithoutOriginHaveZeroParameters) {
-  point.hit.origin = nullptr;
+  point.hit.origin = {};
   EXPECT_EQ(bsdf(R"({ "base_color": "[p0, 0.5, p1]" })").diffuse, (Spectrum{0, 0.5f, 0}));
 }
 

@@ -43,7 +43,6 @@ class EmptyWorld : public Intersector {
  public:
   bool intersect(const Ray&, SurfaceHit&) const override { return false; }
   bool occluded(const Ray&) const override { return false; }
-  void quiescent() const override {}
   Bounds3f bounds() const override { return {}; }
 };
 
