@@ -20,6 +20,9 @@ class Independent : public Sampler {
     return {x, next_1d()};
   }
 
+  std::uint32_t dimension() const override { return std::uint32_t(dimension_); }
+  void go_to(std::uint32_t dimension) override { dimension_ = dimension; }
+
  private:
   Key key_ = 0;
   Key dimension_ = 0;

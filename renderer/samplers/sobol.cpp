@@ -62,6 +62,9 @@ class Sobol : public Sampler {
     return {to_unit(scrambled(i, key >> 32)), to_unit(scrambled(pascal(i), other))};
   }
 
+  std::uint32_t dimension() const override { return dimension_; }
+  void go_to(std::uint32_t dimension) override { dimension_ = dimension; }
+
  private:
   Key next_key() { return hash_keys(pixel_key_, Key(dimension_++)); }
   std::uint32_t shuffled_index(Key key) const {

@@ -30,6 +30,10 @@ class Sampler {
   virtual void start(int pixel_x, int pixel_y, int sample_index, std::uint64_t seed) = 0;
   virtual float next_1d() = 0;  // [0, 1)
   virtual Vec2f next_2d() = 0;
+  // Numbers drawn since start(), and going on from there after a start() of the same sample: so a path that waits keeps
+  // a count in place of a sampler.
+  virtual std::uint32_t dimension() const = 0;
+  virtual void go_to(std::uint32_t dimension) = 0;
 };
 
 struct CameraSample {
@@ -160,6 +164,39 @@ struct FirstSurface {
   int material = -1, production = -1;  // indices into Scene::names
 };
 
+// What a path uses while it goes on.
+struct PathTools {
+  const Scene& scene;
+  Sampler& sampler;
+  RayCounts& counts;
+  FirstSurface* first;  // as for Integrator::radiance()
+};
+
+// The ray that a path waits for.
+struct RayRequest {
+  enum class Kind : std::uint8_t {
+    None,
+    Nearest,
+    Any
+  };  // the nearest hit, or whether there is one; None: it has ended
+  Kind kind;
+  const Ray& ray;  // part of the path's state
+};
+
+// The paths of an integrator, stopped at every ray that they ask for: so that many can be alive at once, and their rays
+// be traced in any order. The state of a path is plain memory, aligned like a pointer, that may be copied. A path draws
+// the same random numbers, and ends with the same bits, as one that Integrator::radiance() follows.
+class PathStepper {
+ public:
+  virtual ~PathStepper() = default;
+  virtual std::size_t state_bytes() const = 0;
+  virtual void begin(void* state, const Ray& camera_ray, const PathTools& tools) const = 0;
+  virtual RayRequest request(const void* state) const = 0;
+  // Hands over what the request met and goes on to the next. `hit` is that of a request for the nearest.
+  virtual void answer(void* state, bool met, const SurfaceHit& hit, const PathTools& tools) const = 0;
+  virtual Spectrum result(const void* state) const = 0;  // the radiance, of a path that has ended
+};
+
 class Integrator {
  public:
   virtual ~Integrator() = default;
@@ -169,6 +206,8 @@ class Integrator {
   // wants to know what the ray shows: report_first() of renderer/integrators/first_surface.h fills it.
   virtual Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts,
                             FirstSurface* first) const = 0;
+  // Null: paths cannot be stopped; they are followed one by one.
+  virtual const PathStepper* stepper() const { return nullptr; }
 };
 
 using SamplerRegistry = Registry<Sampler>;

@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <functional>
+#include <vector>
 
 namespace meristem {
 void register_ambient_occlusion(IntegratorRegistry& r);
@@ -225,6 +227,68 @@ TEST_F(Transport, CountsRays) {
   EXPECT_EQ(counts.camera, 64u);
   EXPECT_LE(counts.bounce, 64u);
   EXPECT_NEAR(double(counts.shadow), 32, 2);  // half of the light samples lie below the floor
+}
+
+// Paths that take turns, each known between its rays by a copied state and a count of random numbers alone, end with
+// the bits of paths that are followed at once.
+TEST_F(Transport, PathsThatWaitEndWithTheSameBits) {
+  add_ball({0, 1, 0}, 1);
+  add_floor(0);
+  Matte& veil = add_material();
+  veil.opacity = 0.4f;
+  add_floor(1.5, 1, 2);
+  Matte& glass = add_material();
+  glass.glass = 1;
+  glass.absorption = {0.5f, 1, 0};
+  add_ball({2, 1, 0}, 0.8, 2);
+  scene.settings.max_depth = 8;
+  scene.lights.push_back(make<Light>(register_constant));
+  scene.lights.push_back(make<Light>(register_sphere, R"({ "center": [0, 4, 0], "radius": 0.3, "intensity": 50 })"));
+  scene.prepare();
+  const PathStepper* stepper = scene.integrator->stepper();
+  ASSERT_NE(stepper, nullptr);
+
+  struct Waiting {
+    std::vector<std::max_align_t> state;
+    std::uint32_t dimension = 0;
+  };
+  constexpr int count = 500;
+  std::vector<Ray> rays;
+  std::vector<Spectrum> expected;
+  std::vector<Waiting> paths(count);
+  RayCounts at_once, in_turn;
+  for (int i = 0; i < count; ++i) {
+    rays.push_back({{0, 2, 6},
+                    normalize(Vec3f{uniform_float(hash_keys(Key(i), 1)) - 0.5f,
+                                    -0.3f * uniform_float(hash_keys(Key(i), 2)), -1})});
+    scene.sampler->start(i, 0, 3, 1);
+    expected.push_back(scene.integrator->radiance(rays.back(), scene, *scene.sampler, at_once, nullptr));
+    scene.sampler->start(i, 0, 3, 1);
+    paths[std::size_t(i)].state.resize(stepper->state_bytes() / sizeof(std::max_align_t) + 1);
+    stepper->begin(paths[std::size_t(i)].state.data(), rays.back(), {scene, *scene.sampler, in_turn, nullptr});
+  }
+  for (int alive = count, turn = 0; alive > 0; ++turn) {
+    alive = 0;
+    for (int i = 0; i < count; ++i) {
+      Waiting& path = paths[std::size_t(i)];
+      path.state = std::vector(path.state);  // lies somewhere else
+      const RayRequest request = stepper->request(path.state.data());
+      if (request.kind == RayRequest::Kind::None) continue;
+      ++alive;
+      SurfaceHit hit;
+      const bool met = world->intersect(request.ray, hit);
+      scene.sampler->start(i, 0, 3, 1);
+      scene.sampler->go_to(path.dimension);
+      stepper->answer(path.state.data(), met, hit, {scene, *scene.sampler, in_turn, nullptr});
+      path.dimension = scene.sampler->dimension();
+    }
+  }
+  for (int i = 0; i < count; ++i)
+    EXPECT_EQ(stepper->result(paths[std::size_t(i)].state.data()), expected[std::size_t(i)]);
+  EXPECT_EQ(in_turn.bounce, at_once.bounce);
+  EXPECT_EQ(in_turn.shadow, at_once.shadow);
+  EXPECT_EQ(in_turn.escaped, at_once.escaped);
+  EXPECT_GT(at_once.bounce, std::uint64_t(count));
 }
 
 TEST_F(Transport, EmptySceneShowsItsEnvironment) {

@@ -19,6 +19,8 @@ class FakeSampler : public Sampler {
   }
   float next_1d() override { return uniform_float(hash_keys(key_, dimension_++)); }
   Vec2f next_2d() override { return {next_1d(), next_1d()}; }
+  std::uint32_t dimension() const override { return std::uint32_t(dimension_); }
+  void go_to(std::uint32_t dimension) override { dimension_ = dimension; }
 
  private:
   Key key_ = 0, dimension_ = 0;
