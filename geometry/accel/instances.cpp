@@ -43,16 +43,20 @@ void instance_bounds(const RTCBoundsFunctionArguments* args) {
 
 void intersect_instance(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
+  auto& context = *reinterpret_cast<RayContext*>(args->context);
+  const WayStep step(context, args->primID);
   static_cast<const Instances*>(args->geometryUserPtr)
       ->list()[args->primID]
-      .intersect(*reinterpret_cast<RayContext*>(args->context), *reinterpret_cast<RTCRayHit*>(args->rayhit));
+      .intersect(context, *reinterpret_cast<RTCRayHit*>(args->rayhit));
 }
 
 void occluded_instance(const RTCOccludedFunctionNArguments* args) {
   if (!args->valid[0]) return;
+  auto& context = *reinterpret_cast<RayContext*>(args->context);
+  const WayStep step(context, args->primID);
   static_cast<const Instances*>(args->geometryUserPtr)
       ->list()[args->primID]
-      .occluded(*reinterpret_cast<RayContext*>(args->context), *reinterpret_cast<RTCRay*>(args->ray));
+      .occluded(context, *reinterpret_cast<RTCRay*>(args->ray));
 }
 
 }  // namespace
@@ -68,14 +72,25 @@ Instance::Instance(const ModelRoot& root, const Bounds3f& root_bounds, const Aff
   if (!is_identity_) bounds_ = round_outwards(to_parent.bounds(Bounds3d{Vec3d(bounds_.lower), Vec3d(bounds_.upper)}));
 }
 
-void Instance::intersect(RayContext& context, RTCRayHit& ray) const {
+template <class Trace>
+void Instance::with_local_ray(RayContext& context, RTCRayHit& ray, const Trace& trace) const {
   const Inside inside(context, is_identity_ ? nullptr : &to_parent_, path_, object_);
-  if (is_identity_) return root_->intersect(context, ray);
+  if (is_identity_) return trace(ray);
   RTCRayHit local = ray;
   transform(from_parent_, local.ray);
-  root_->intersect(context, local);
+  trace(local);
   ray.ray.tfar = local.ray.tfar;
   ray.hit = local.hit;
+}
+
+void Instance::intersect(RayContext& context, RTCRayHit& ray) const {
+  with_local_ray(context, ray, [&](RTCRayHit& local) { root_->intersect(context, local); });
+}
+
+bool Instance::follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const {
+  bool arrives = false;
+  with_local_ray(context, ray, [&](RTCRayHit& local) { arrives = root_->follow(way, context, local); });
+  return arrives;
 }
 
 void Instance::occluded(RayContext& context, RTCRay& ray) const {
@@ -107,17 +122,22 @@ Instances::Instances(std::vector<Instance> instances, std::vector<std::unique_pt
 }
 
 void Instances::intersect(RayContext& context, RTCRayHit& ray) const {
-  if (scene_)
-    rtcIntersect1(scene_.get(), &context.embree, &ray);
-  else if (!instances_.empty())
-    instances_[0].intersect(context, ray);
+  if (scene_) return rtcIntersect1(scene_.get(), &context.embree, &ray);
+  if (instances_.empty()) return;
+  const WayStep step(context, 0);
+  instances_[0].intersect(context, ray);
 }
 
 void Instances::occluded(RayContext& context, RTCRay& ray) const {
-  if (scene_)
-    rtcOccluded1(scene_.get(), &context.embree, &ray);
-  else if (!instances_.empty())
-    instances_[0].occluded(context, ray);
+  if (scene_) return rtcOccluded1(scene_.get(), &context.embree, &ray);
+  if (instances_.empty()) return;
+  const WayStep step(context, 0);
+  instances_[0].occluded(context, ray);
+}
+
+bool Instances::follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const {
+  const WayStep step(context, way[0]);
+  return instances_[way[0]].follow(way.subspan(1), context, ray);
 }
 
 }  // namespace meristem

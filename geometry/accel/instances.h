@@ -19,11 +19,15 @@ class Instance {
 
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
-  const Bounds3f& bounds() const { return bounds_; }  // in the parent's frame
+  bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const;  // as ModelRoot::follow()
+  const Bounds3f& bounds() const { return bounds_; }                              // in the parent's frame
   const ModelRoot& root() const { return *root_; }
   bool is_identity() const { return is_identity_; }
 
  private:
+  template <class Trace>
+  void with_local_ray(RayContext& context, RTCRayHit& ray, const Trace& trace) const;
+
   const ModelRoot* root_;
   Affine3f to_parent_, from_parent_;
   Bounds3f bounds_;
@@ -39,6 +43,8 @@ class Instances {
 
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
+  // As ModelRoot::follow(); the way begins with the number of an instance.
+  bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const;
   const Bounds3f& bounds() const { return bounds_; }
   const std::vector<Instance>& list() const { return instances_; }
   std::size_t bytes() const { return bytes_; }

@@ -1,6 +1,7 @@
 // Intersector: the world as rays see it. Expansion, caching and Embree stand behind it; integrators see only this.
 #pragma once
 
+#include "geometry/accel/ray_search.h"
 #include "geometry/accel/surface.h"
 #include "geometry/base/bounds.h"
 #include "geometry/base/expansion_profile.h"
@@ -15,6 +16,7 @@ namespace meristem {
 struct ThreadExpansions {
   std::uint64_t expanded = 0;    // the repeated ones among them
   std::uint64_t reexpanded = 0;  // of cells that had been expanded and evicted before
+  std::uint64_t acquired = 0;    // cells that its rays asked for, resident or not
 };
 
 class Intersector {
@@ -26,6 +28,13 @@ class Intersector {
   virtual bool intersect(const Ray& ray, SurfaceHit& hit) const = 0;
   // Whether anything lies in (t_min, t_max).
   virtual bool occluded(const Ray& ray) const = 0;
+  // The same for a ray that would rather wait than expand: the nearest hit, or with `any` whether there is one. After
+  // Waits the next call, with the same ray and search, expands what it waited for and goes on; after any other end the
+  // search is as new. The hit has the bits of intersect().
+  virtual RaySearch::End search(const Ray& ray, bool any, RaySearch& search, SurfaceHit& hit) const {
+    (void)search;
+    return (any ? occluded(ray) : intersect(ray, hit)) ? RaySearch::End::Met : RaySearch::End::Missed;
+  }
   // What the calling thread has expanded since it began to trace: differences say what a pixel cost. A few nanoseconds.
   virtual ThreadExpansions thread_expansions() const { return {}; }
   // Conservative bounds of everything, known before expansion.

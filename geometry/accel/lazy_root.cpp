@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <bit>
+#include <cmath>
 #include <functional>
 #include <set>
 
@@ -70,6 +71,9 @@ class CellEntry : public CacheEntry {
       rtcOccluded1(patch_ ? patch_->scene() : proxies_->scene(), &context.embree, &ray);
   }
 
+  // As ModelRoot::follow(): the way goes on with one of the children or instances, or ends here.
+  bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray);
+
   const LazyRoot& root() const { return *root_; }
   const InnerCell* inner() const { return inner_.get(); }
   const Instances* instances() const { return instances_.get(); }
@@ -88,6 +92,25 @@ class CellEntry : public CacheEntry {
   std::unique_ptr<ProxyScene> proxies_;
   std::unique_ptr<Instances> instances_;
 };
+
+// The least t at which a ray may be in a box; infinity if it is not up to tfar.
+float earliest_entry(const Bounds3f& box, const RTCRay& ray) {
+  constexpr float error = 8 * 0x1p-24f;  // a difference, a division and a product, and some
+  const float origin[] = {ray.org_x, ray.org_y, ray.org_z}, direction[] = {ray.dir_x, ray.dir_y, ray.dir_z};
+  float from = ray.tnear, to = ray.tfar;
+  for (int i = 0; i < 3; ++i) {
+    const float lower = box.lower[i] - origin[i], upper = box.upper[i] - origin[i];
+    if (direction[i] == 0) {
+      if (lower > 0 || upper < 0) return std::numeric_limits<float>::infinity();
+      continue;
+    }
+    const float a = lower / direction[i], b = upper / direction[i];
+    const float enter = std::min(a, b), leave = std::max(a, b);
+    from = std::max(from, enter - std::abs(enter) * error);
+    to = std::min(to, leave + std::abs(leave) * error);
+  }
+  return from > to ? std::numeric_limits<float>::infinity() : from;
+}
 
 // The box of a cell that could not be expanded, as a surface.
 Tessellation box_of(const Bounds3f& b, Key key) {
@@ -114,13 +137,19 @@ class LazyRoot final : public ModelRoot {
         roots_(roots),
         cache_(cache),
         counts_(counts),
-        reach_(source_.part->placer ? float(source_.part->placer->reach()) : 0) {}
+        reach_(source_.part->placer ? float(source_.part->placer->reach()) : 0),
+        name_(hash_keys(identity(), std::bit_cast<std::uintptr_t>(source_.part.get()))) {}
 
   void intersect(RayContext& context, RTCRayHit& ray) const override {
-    if (CellEntry* cell = root(context.use)) cell->intersect(context, ray);
+    if (CellEntry* cell = entered_root(context, ray.ray)) cell->intersect(context, ray);
   }
   void occluded(RayContext& context, RTCRay& ray) const override {
-    if (CellEntry* cell = root(context.use)) cell->occluded(context, ray);
+    if (CellEntry* cell = entered_root(context, ray)) cell->occluded(context, ray);
+  }
+  bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const override {
+    ++context.acquired;
+    CellEntry* cell = context.search->expands ? root(context.use) : found(slot_);
+    return cell ? cell->follow(way, context, ray) : slot_.state() == CacheSlot::State::Failed;
   }
   std::size_t bytes() const override { return sizeof(*this); }
   const Part* part() const { return source_.part.get(); }
@@ -143,7 +172,36 @@ class LazyRoot final : public ModelRoot {
     }));
   }
 
+  // A child as a ray meets it. nullptr: there is nothing to trace; either it failed, or the ray expands nothing and has
+  // noted it.
+  CellEntry* entered_child(CellEntry& parent, std::size_t index, RayContext& context, const RTCRay& ray) const {
+    ++context.acquired;
+    if (!context.search) return child(parent, index, context.use);
+    CacheSlot& slot = parent.slot(index);
+    if (CellEntry* cell = found(slot)) return cell;
+    const WayStep step(context, index);
+    const InnerCell& inner = *parent.inner();
+    note(slot, hash_keys(name_, inner.child_keys[index], Key(inner.level)), parent.proxies().known_bounds(index), ray,
+         *context.search);
+    return nullptr;
+  }
+  CellEntry* found(CacheSlot& slot) const { return static_cast<CellEntry*>(cache_.find(slot)); }
+
  private:
+  CellEntry* entered_root(RayContext& context, const RTCRay& ray) const {
+    ++context.acquired;
+    if (!context.search) return root(context.use);
+    if (CellEntry* cell = found(slot_)) return cell;
+    note(slot_, name_, with_rounding_margin(bounds()), ray, *context.search);
+    return nullptr;
+  }
+
+  static void note(const CacheSlot& slot, Key name, const Bounds3f& bounds, const RTCRay& ray,
+                   RayContext::Search& search) {
+    const float entry = earliest_entry(bounds, ray);
+    if (entry <= ray.tfar && slot.state() != CacheSlot::State::Failed) search.missing.note(name, entry, search.way);
+  }
+
   // What stands on a ground must not depend on the view, so the ground is expanded in full.
   const Footprint* ground_footprint() const { return source_.part->placer ? nullptr : source_.footprint.get(); }
 
@@ -210,8 +268,27 @@ class LazyRoot final : public ModelRoot {
   GeometryCache& cache_;
   ExpansionCounts& counts_;
   const float reach_;
+  const Key name_;  // of its root cell, for rays that wait
   mutable CacheSlot slot_;
 };
+
+bool CellEntry::follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) {
+  if (way.empty()) {
+    if (context.visits) ++context.visits[label.cell_class];
+    if (context.search->any)
+      occluded(context, ray.ray);
+    else
+      intersect(context, ray);
+    return true;
+  }
+  const InUse in_use(context, *this);
+  if (instances_) return instances_->follow(way, context, ray);
+  const WayStep step(context, way[0]);
+  ++context.acquired;
+  CacheSlot& slot = slots_[way[0]];
+  CellEntry* cell = context.search->expands ? root_->child(*this, way[0], context.use) : root_->found(slot);
+  return cell ? cell->follow(way.subspan(1), context, ray) : slot.state() == CacheSlot::State::Failed;
+}
 
 // Embree's callbacks for child cells. acquire() does not throw, so nothing crosses the C boundary.
 CellEntry& owner(void* proxies) { return *static_cast<CellEntry*>(static_cast<ProxyScene*>(proxies)->user()); }
@@ -220,9 +297,11 @@ void intersect_child(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   CellEntry& parent = owner(args->geometryUserPtr);
   auto& context = *reinterpret_cast<RayContext*>(args->context);
-  if (CellEntry* cell = parent.root().child(parent, args->primID, context.use)) {
+  auto& ray = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+  if (CellEntry* cell = parent.root().entered_child(parent, args->primID, context, ray.ray)) {
+    const WayStep step(context, args->primID);
     if (context.visits) ++context.visits[cell->label.cell_class];
-    cell->intersect(context, *reinterpret_cast<RTCRayHit*>(args->rayhit));
+    cell->intersect(context, ray);
   }
 }
 
@@ -230,9 +309,11 @@ void occluded_child(const RTCOccludedFunctionNArguments* args) {
   if (!args->valid[0]) return;
   CellEntry& parent = owner(args->geometryUserPtr);
   auto& context = *reinterpret_cast<RayContext*>(args->context);
-  if (CellEntry* cell = parent.root().child(parent, args->primID, context.use)) {
+  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
+  if (CellEntry* cell = parent.root().entered_child(parent, args->primID, context, ray)) {
+    const WayStep step(context, args->primID);
     if (context.visits) ++context.visits[cell->label.cell_class];
-    cell->occluded(context, *reinterpret_cast<RTCRay*>(args->ray));
+    cell->occluded(context, ray);
   }
 }
 

@@ -21,11 +21,12 @@ bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RT
   rtcIntersect1(patch.scene(), &context.embree, &ray);
   const bool missed = ray.hit.geomID == RTC_INVALID_GEOMETRY_ID;
   key = hash_keys(key, context.path);
-  const bool lost_tie = ray.ray.tfar == previous_t && context.patch && context.patch_key < key;
+  const bool lost_tie = ray.ray.tfar == previous_t && context.has_hit && context.patch_key < key;
   if (missed || lost_tie) {
     ray.hit = previous;
     return false;
   }
+  context.has_hit = true;
   context.patch = &patch;
   context.patch_key = key;
   context.patch_object = context.object;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "geometry/accel/expansion_counts.h"
+#include "geometry/accel/ray_search.h"
 #include "geometry/accel/surface_patch.h"
 #include "geometry/base/transform.h"
 #include "geometry/cells/part.h"
@@ -14,8 +15,9 @@ namespace meristem {
 struct RayContext {
   RTCIntersectContext embree;
   // Of the nearest hit so far.
-  const SurfacePatch* patch = nullptr;
-  Key patch_key = 0;  // of its cell and the instances around it: decides ties
+  bool has_hit = false;
+  const SurfacePatch* patch = nullptr;  // null: one that a search has kept
+  Key patch_key = 0;                    // of its cell and the instances around it: decides ties
   int patch_object = -1;
   std::optional<Affine3d> patch_to_world;  // none: identity
 
@@ -29,6 +31,32 @@ struct RayContext {
   int object = -1;
   RayUse use;
   std::uint32_t* visits = nullptr;  // of a sampled ray: counts of the cells it meets, by class
+  std::uint32_t acquired = 0;       // cells that were asked for
+
+  // Of a ray that expands nothing but what it waited for.
+  struct Search {
+    MissingCells& missing;
+    std::vector<std::uint32_t>& way;  // to what is being traced
+    bool any;                         // hit will do
+    bool expands = false;             // the cells on the way that it follows
+  };
+  Search* search = nullptr;
+};
+
+// One step of a search's way, while one lives; of other rays nothing.
+class WayStep {
+ public:
+  WayStep(RayContext& context, std::size_t index) : search_(context.search) {
+    if (search_) search_->way.push_back(std::uint32_t(index));
+  }
+  ~WayStep() {
+    if (search_) search_->way.pop_back();
+  }
+  WayStep(const WayStep&) = delete;
+  WayStep& operator=(const WayStep&) = delete;
+
+ private:
+  RayContext::Search* const search_;
 };
 
 class ModelRoot {
@@ -36,6 +64,12 @@ class ModelRoot {
   virtual ~ModelRoot() = default;
   virtual void intersect(RayContext& context, RTCRayHit& ray) const = 0;
   virtual void occluded(RayContext& context, RTCRay& ray) const = 0;
+  // Of a search: traces the cell at the end of a way that begins here. False if one on the way is not resident and may
+  // not be expanded. No way leads into a root without cells.
+  virtual bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const {
+    (void)way, (void)context, (void)ray;
+    return true;
+  }
   const Bounds3f& bounds() const { return bounds_; }
   virtual std::size_t bytes() const = 0;  // of the root alone, nothing expanded
 

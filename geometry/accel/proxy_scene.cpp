@@ -48,6 +48,11 @@ void ProxyScene::child_bounds(const RTCBoundsFunctionArguments* args) {
   *args->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, 0};
 }
 
+Bounds3f ProxyScene::known_bounds(std::size_t child) const {
+  const Child& c = children_[child];
+  return c.is_known.load(std::memory_order_acquire) ? c.real : with_rounding_margin(bounds_[child]);
+}
+
 std::size_t ProxyScene::threshold() const {
   const std::size_t built = scenes_.size() - 1;
   if (built >= build_shares.size()) return children_.size() + 1;

@@ -36,6 +36,8 @@ class ProxyScene {
   RTCScene scene() const { return current_.load(std::memory_order_acquire); }
   // Notes the real bounds of a child, once for each child; may build. Any thread; not while holding a lock.
   void tighten(std::size_t child, const Bounds3f& real);
+  // What is known of a child now: its real bounds with a margin for rounding, or those before expansion with one.
+  Bounds3f known_bounds(std::size_t child) const;
   // Of all scenes it may come to hold.
   std::size_t bytes() const { return bytes_; }
 

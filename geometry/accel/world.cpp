@@ -1,6 +1,7 @@
 #include "geometry/accel/world.h"
 
 #include "geometry/accel/roots.h"
+#include "geometry/accel/search_driver.h"
 #include "geometry/base/parallel.h"
 #include "geometry/mesh/limit.h"
 #include "geometry/mesh/refine_plan.h"
@@ -75,12 +76,9 @@ class World final : public Intersector {
     const SampledRay sampled(recorder_.get(), context);
     const GeometryCache::Visit visit(cache_);
     objects_->intersect(context, query);
-    if (!context.patch) return false;
-    hit = context.patch->surface_at({query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v});
-    if (context.patch_to_world) place(*context.patch_to_world, hit);
-    hit.t = query.ray.tfar;
-    hit.object = context.patch_object;
-    return true;
+    cache_.count_acquired(context.acquired);
+    if (context.patch) hit = surface_hit(context, query);
+    return context.patch != nullptr;
   }
 
   bool occluded(const Ray& ray) const override {
@@ -91,12 +89,41 @@ class World final : public Intersector {
     const SampledRay sampled(recorder_.get(), context);
     const GeometryCache::Visit visit(cache_);
     objects_->occluded(context, query);
+    cache_.count_acquired(context.acquired);
     return query.tfar < 0;
+  }
+
+  RaySearch::End search(const Ray& ray, bool any, RaySearch& search, SurfaceHit& hit) const override {
+    RTCRayHit query;
+    if (!start(ray, query.ray)) return RaySearch::End::Missed;
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RayContext context;
+    rtcInitIntersectContext(&context.embree);
+    const SampledRay sampled(recorder_.get(), context);
+    SearchDriver driver(search, any, context, query);
+    RaySearch::End end = RaySearch::End::Missed;
+    {
+      const GeometryCache::Visit visit(cache_);
+      end = driver.go_on(*objects_);
+      if (context.patch && !driver.overflows()) hit = surface_hit(context, query);
+    }
+    cache_.count_acquired(context.acquired);
+    if (driver.overflows()) {
+      driver.end();
+      return Intersector::search(ray, any, search, hit);
+    }
+    if (end == RaySearch::End::Waits)
+      driver.keep(context.patch ? &hit : nullptr);
+    else if (end == RaySearch::End::Met && !any && !context.patch)
+      hit = driver.kept();
+    if (end != RaySearch::End::Waits) driver.end();
+    return end;
   }
 
   ThreadExpansions thread_expansions() const override {
     const GeometryCache::ThreadCounts counts = cache_.thread_counts();
-    return {counts.expansions, counts.reexpansions};
+    return {counts.expansions, counts.reexpansions, counts.acquired};
   }
   Bounds3f bounds() const override { return objects_->bounds(); }
 
@@ -122,6 +149,14 @@ class World final : public Intersector {
   }
 
  private:
+  static SurfaceHit surface_hit(const RayContext& context, const RTCRayHit& query) {
+    SurfaceHit hit = context.patch->surface_at({query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v});
+    if (context.patch_to_world) place(*context.patch_to_world, hit);
+    hit.t = query.ray.tfar;
+    hit.object = context.patch_object;
+    return hit;
+  }
+
   // A hit in the frame of an instance, in the world.
   static void place(const Affine3d& m, SurfaceHit& hit) {
     const Affine3f to_world{Vec3f(m.x), Vec3f(m.y), Vec3f(m.z), Vec3f(m.origin)};

@@ -119,13 +119,18 @@ class GeometryCache {
   // caller's Visit or its next acquire(), whichever is first; what `use` names, through every acquire() that names it.
   template <class Expand>
   CacheEntry* acquire(CacheSlot& slot, CacheEntry* parent, const RayUse& use, Expand&& expand) {
-    const std::uintptr_t word = slot.word_.load();
-    if (word > CacheSlot::failed) [[likely]] {
-      auto* entry = reinterpret_cast<CacheEntry*>(word);
-      if (!entry->used_.load(std::memory_order_relaxed)) entry->used_.store(true, std::memory_order_relaxed);
+    if (CacheEntry* entry = find(slot)) [[likely]]
       return entry;
-    }
     return acquire_slow(slot, parent, use, expand);
+  }
+
+  // The slot's entry if it is resident, nullptr if not; expands nothing. Valid as what acquire() returns.
+  CacheEntry* find(CacheSlot& slot) {
+    const std::uintptr_t word = slot.word_.load();
+    if (word <= CacheSlot::failed) return nullptr;
+    auto* entry = reinterpret_cast<CacheEntry*>(word);
+    if (!entry->used_.load(std::memory_order_relaxed)) entry->used_.store(true, std::memory_order_relaxed);
+    return entry;
   }
 
   // While one lives, its thread is inside and may use entries. Not nested.
@@ -147,8 +152,10 @@ class GeometryCache {
   CacheStatistics statistics() const;
   // What the calling thread expanded so far, in its life and that of threads that had its index before.
   struct ThreadCounts {
-    std::uint64_t expansions = 0, reexpansions = 0;
+    std::uint64_t expansions = 0, reexpansions = 0, acquired = 0;
   };
+  // Hits are counted by whoever acquires, once a ray.
+  void count_acquired(std::uint64_t n) { threads_[std::size_t(thread_index())].counts.acquired += n; }
   ThreadCounts thread_counts() const { return threads_[std::size_t(thread_index())].counts; }
   // Of the calling thread for its life, in all caches; given to another thread after it.
   static int thread_index();

@@ -144,6 +144,14 @@ void add_scene_options(CLI::App& app, RenderOptions& o) {
   add(add_parsed(app, "--budget", "", "memory of the geometry cache: 512M, 2G",
                  [&o](const std::string& t) { o.load.budget_bytes = parse_memory(t); }),
       "BYTES");
+  static const std::map<std::string, RayOrder> orders{
+      {"depth-first", RayOrder::DepthFirst}, {"queued", RayOrder::Queued}, {"auto", RayOrder::Auto}};
+  add(app.add_option("--ray-order", o.load.ray_order, "each path at once; many wait for the same cells")
+          ->transform(CLI::CheckedTransformer(orders).description("")),
+      "depth-first|queued|auto");
+  add(add_parsed(app, "--queue-memory", "", "of rays that wait for cells: 128M",
+                 [&o](const std::string& t) { o.load.queue_bytes = parse_memory(t); }),
+      "BYTES");
 }
 
 std::vector<std::string> given_scene_options(const CLI::App& app) {

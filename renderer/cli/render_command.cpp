@@ -225,6 +225,7 @@ class ImageRender {
     s.render_s = result.render_s;
     s.first_pixel_s = result.first_pixel_s;
     s.rays = result.rays;
+    s.queues = result.queues;
     s.samples = settings().samples;
     s.samples_taken = result.samples;
     s.interrupted = result.end == RenderEnd::Cancelled;

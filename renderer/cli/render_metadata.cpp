@@ -66,6 +66,7 @@ Metadata render_metadata(const RenderStatistics& s, const RenderSettings& settin
   add("samples_taken", s.samples_taken);
   add("expand", s.expand);
   add("budget_bytes", settings.budget_bytes);
+  add("ray_order", s.queues ? "queued" : "depth-first");
   add("threads", s.threads);
   add("load_seconds", fmt::format("{:.3f}", s.load_s));
   add("render_seconds", fmt::format("{:.3f}", s.render_s));
@@ -83,7 +84,7 @@ Metadata merged_metadata(const FilmInfo& info, const std::string& command_line) 
   Metadata metadata = info.metadata;
   for (const char* of_one_run :
        {"seconds", "peak_rss_bytes", "samples_taken", "threads", "load_seconds", "render_seconds", "rays",
-        "cells_expanded", "cells_reexpanded", "cells_evicted", "faces", "budget_bytes"})
+        "cells_expanded", "cells_reexpanded", "cells_evicted", "faces", "budget_bytes", "ray_order"})
     std::erase_if(metadata, [&](const auto& m) { return m.first == fmt::format("meristem:{}", of_one_run); });
   replace(metadata, "meristem:command", command_line);
   replace(metadata, "meristem:ended", "merged");

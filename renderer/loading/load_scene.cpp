@@ -210,6 +210,8 @@ class SceneBuilder {
     s.detail = options_.detail.value_or(s.detail);
     s.seed = options_.seed.value_or(s.seed);
     s.budget_bytes = options_.budget_bytes.value_or(s.budget_bytes);
+    s.queue_bytes = options_.queue_bytes.value_or(s.queue_bytes);
+    s.ray_order = options_.ray_order.value_or(s.ray_order);
     s.noise = options_.noise.value_or(s.noise);
     s.aovs.insert(s.aovs.end(), options_.aovs.begin(), options_.aovs.end());
     std::ranges::sort(s.aovs);

@@ -22,6 +22,8 @@ struct LoadOptions {
   ExpandMode expand = ExpandMode::Lazy;
   int threads = 0;                            // for eager expansion; 0: default_thread_count()
   std::optional<std::uint64_t> budget_bytes;  // of the geometry cache
+  std::optional<std::uint64_t> queue_bytes;   // of rays that wait
+  std::optional<RayOrder> ray_order;
   std::optional<int> width, height, samples, max_depth;
   std::optional<std::uint64_t> seed;
   std::optional<double> detail;  // pixels; 0: everything in full

@@ -1,5 +1,7 @@
 #include "renderer/loading/load_settings.h"
 
+#include <fmt/format.h>
+
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -37,6 +39,12 @@ double unit_factor(std::string_view suffix) {
   const std::string_view rest = suffix.substr(1);
   if (power == units.npos || !(rest.empty() || rest == "B" || rest == "iB")) return 0;
   return std::exp2(10.0 * double(power + 1));
+}
+
+void read_bytes(Params& params, const char* name, const char* fallback, const char* doc, std::uint64_t& result) {
+  const auto bytes = parse_bytes(params.text(name, fallback, doc));
+  if (!bytes) return params.error(name, fmt::format("\"{}\" is a number of bytes such as \"512M\" or \"2G\"", name));
+  result = *bytes;
 }
 
 // "aovs": a list of names, or "all".
@@ -84,11 +92,11 @@ RenderSection read_render(Params& params) {
       params.integer("seed", 0, {0, 2147483647, ""}, "another seed gives other noise, not another scene"));
   s.noise = params.real("noise", 0, {0, 1, ""}, "pixels whose noise is below it take no more samples; 0: all take all");
   read_aovs(params, s);
-  const std::string budget = params.text("budget", "2G", "memory for expanded geometry, such as 512M or 2G");
-  if (const auto bytes = parse_bytes(budget))
-    s.budget_bytes = *bytes;
-  else
-    params.error("budget", "\"budget\" is a number of bytes such as \"512M\" or \"2G\"");
+  read_bytes(params, "budget", "2G", "memory for expanded geometry, such as 512M or 2G", s.budget_bytes);
+  s.ray_order =
+      RayOrder(params.choice("ray_order", int(s.ray_order), {"depth-first", "queued", "auto"},
+                             "each path at once, or many that wait for the same cells; the image is the same"));
+  read_bytes(params, "queue_memory", "128M", "memory of rays that wait, beside \"budget\"", s.queue_bytes);
   section.integrator =
       params.raw("integrator", false, R"({"$ref": "#/definitions/integrator"})", "how light is gathered");
   section.sampler = params.raw("sampler", false, R"({"$ref": "#/definitions/sampler"})", "where samples lie");

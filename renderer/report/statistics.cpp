@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -24,6 +25,13 @@ Value rays_value(const RenderStatistics& s) {
                        {"bounce", json::count(s.rays.bounce)},
                        {"shadow", json::count(s.rays.shadow)},
                        {"total", json::count(s.total_rays())}});
+}
+
+Value queues_value(const QueueStatistics& q) {
+  return json::object({{"waits", json::count(q.waits)},
+                       {"served", json::count(q.served)},
+                       {"paths_peak", json::count(q.paths_peak)},
+                       {"bytes_peak", json::count(q.bytes_peak)}});
 }
 
 Value image_value(const ImageStatistics& i) {
@@ -104,6 +112,8 @@ Value statistics_value(const RenderStatistics& s) {
                               {"threads", json::number(s.threads)},
                               {"rays", rays_value(s)},
                               {"rays_per_s", json::number(std::round(s.rays_per_s()))},
+                              {"ray_order", json::text(s.queues ? "queued" : "depth-first")},
+                              {"ray_queues", s.queues ? queues_value(*s.queues) : Value{}},
                               {"samples", json::number(s.samples)},
                               {"samples_taken", json::count(s.samples_taken)},
                               {"interrupted", json::boolean(s.interrupted)},
@@ -131,6 +141,11 @@ std::string details(const RenderStatistics& s) {
   std::string text = fmt::format("threads {}, load {:.2f} s, render {:.2f} s\n", s.threads, s.load_s, s.render_s);
   text += fmt::format("rays: camera {}, bounce {}, shadow {}\n", format_count(s.rays.camera),
                       format_count(s.rays.bounce), format_count(s.rays.shadow));
+  if (s.queues)
+    text += fmt::format(
+        "queued: at most {} paths at once in {}; {} times one waited, {} times a cell served {} of them\n",
+        format_count(s.queues->paths_peak), format_bytes(s.queues->bytes_peak), format_count(s.queues->waits),
+        format_count(s.queues->served), format_count(s.queues->waits / std::max<std::uint64_t>(s.queues->served, 1)));
   text += fmt::format(
       "cells: expanded {} (again {}), evicted {}, failed {}; at most {} resident, {} leaving, {} in all\n",
       format_count(e.cells_expanded), format_count(e.reexpanded), format_count(e.evicted), format_count(e.failed),

@@ -6,6 +6,7 @@
 #include "renderer/image/image.h"
 #include "renderer/report/recording.h"
 #include "renderer/scene/interfaces.h"
+#include "renderer/session/queued_paths.h"
 
 #include <cstdint>
 #include <optional>
@@ -31,7 +32,8 @@ struct RenderStatistics {
   std::uint64_t peak_rss_bytes = 0;
   int threads = 0;
   RayCounts rays;
-  int samples = 0;  // asked for, a pixel
+  std::optional<QueueStatistics> queues;  // if rays were queued
+  int samples = 0;                        // asked for, a pixel
   std::uint64_t samples_taken = 0;
   bool interrupted = false;
   ImageStatistics image;

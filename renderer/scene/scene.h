@@ -10,6 +10,13 @@
 
 namespace meristem {
 
+// In which order rays are traced. The image is the same.
+enum class RayOrder : std::uint8_t {
+  DepthFirst,  // each path at once
+  Queued,      // many paths at once, each of which waits for cells that are not resident
+  Auto         // depth-first, until cells are expanded again too often
+};
+
 // The settings of the member "render" of a scene file; command line options override them.
 struct RenderSettings {
   int width = 1280, height = 720;
@@ -18,6 +25,8 @@ struct RenderSettings {
   double detail = 1;  // wanted size of faces in pixels; 0: every level, however small
   std::uint64_t seed = 0;
   std::uint64_t budget_bytes = std::uint64_t(2) << 30;  // of the geometry cache
+  RayOrder ray_order = RayOrder::Auto;
+  std::uint64_t queue_bytes = std::uint64_t(128) << 20;  // of paths that wait; beside the budget
   double noise = 0;       // a pixel takes no more samples when its noise falls below it (film/noise.h); 0: never
   std::vector<Aov> aovs;  // beside the beauty; sorted, each once
 };

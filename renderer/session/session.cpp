@@ -4,6 +4,7 @@
 #include "geometry/base/parallel.h"
 #include "renderer/film/noise.h"
 #include "renderer/session/process_clock.h"
+#include "renderer/session/sample_sequence.h"
 #include "renderer/session/tiles.h"
 
 #include <algorithm>
@@ -28,10 +29,8 @@ std::vector<Aov> film_aovs(const RenderSettings& settings) {
   return aovs;
 }
 
-// Through the middle of the image and of the lens.
-Ray central_ray(const Scene& scene) {
-  const RenderSettings& s = scene.settings;
-  return scene.camera->ray({{0.5f * float(s.width), 0.5f * float(s.height)}, {0.5f, 0.5f}}, s.width, s.height);
+RayOrder possible_order(const Scene& scene) {
+  return scene.integrator->stepper() ? scene.settings.ray_order : RayOrder::DepthFirst;
 }
 
 }  // namespace
@@ -42,6 +41,14 @@ struct RenderSession::Worker {
   std::uint32_t pass_end;
   std::unique_ptr<Sampler> sampler;
   RayCounts rays;
+  ThreadExpansions watched;  // those before the cells that are watched now
+};
+
+// What the queued order has of its own; outlives passes and snapshots, and so do paths under way.
+struct RenderSession::Queues {
+  QueuedPaths paths;
+  SampleSequence sequence;
+  SampleOrder order;
 };
 
 std::optional<double> RenderProgress::seconds_left() const {
@@ -53,12 +60,14 @@ std::optional<double> RenderProgress::seconds_left() const {
 RenderSession::RenderSession(const Scene& scene, SessionOptions options)
     : scene_(scene),
       options_(std::move(options)),
-      filter_(*scene.filter),
-      film_(visible_window(scene.settings, options_.crop), filter_.mean_weight(), film_aovs(scene.settings)),
-      view_axis_(central_ray(scene)),
+      camera_(scene),
+      film_(visible_window(scene.settings, options_.crop), camera_.mean_weight(), film_aovs(scene.settings)),
       tiles_(tiles_along_hilbert_curve(film_.window(), options_.tile_side)),
       pass_ends_(pass_ends(std::uint32_t(scene.settings.samples), scene.settings.noise > 0)),
-      threads_(options_.threads > 0 ? options_.threads : default_thread_count()) {}
+      threads_(options_.threads > 0 ? options_.threads : default_thread_count()),
+      order_(possible_order(scene)) {}
+
+RenderSession::~RenderSession() = default;
 
 std::vector<std::uint32_t> RenderSession::pass_ends(std::uint32_t samples, bool adaptive) {
   std::vector<std::uint32_t> ends;
@@ -96,24 +105,62 @@ SessionResult RenderSession::render() {
   result.samples = film_.total_samples();
   result.render_s = process_age_s() - started_s_;
   if (first_pixel_s_ >= 0) result.first_pixel_s = first_pixel_s_;
+  if (queues_) result.queues = queues_->paths.statistics();
   if (result.samples < samples_total_) result.end = cancelled() ? RenderEnd::Cancelled : RenderEnd::TimeLimit;
   send_progress(process_age_s());
   return result;
 }
 
 void RenderSession::run_pass(std::uint32_t end, std::vector<RayCounts>& rays) {
+  if (order_ != RayOrder::Queued) run_tiles(end, rays);
+  if (thrashes_.exchange(false)) order_ = RayOrder::Queued;
+  if (order_ == RayOrder::Queued && !stopped()) run_queues(end, rays);
+}
+
+// Passes end at the decisions of adaptive sampling alone: else a queue would run empty at each.
+void RenderSession::run_queues(std::uint32_t end, std::vector<RayCounts>& rays) {
+  const RenderSettings& settings = scene_.settings;
+  if (!queues_) {
+    const QueuedPaths::Wants wants{film_.wants_first_surface(), film_.wants_costs()};
+    queues_.reset(new Queues{{scene_, camera_, wants, settings.queue_bytes},
+                             {film_, tiles_, options_.first_sample},
+                             {film_, options_.first_sample}});
+  }
+  queues_->sequence.extend(settings.noise > 0 ? end : pass_ends_.back(), adaptive_.finished);
+  queues_->paths.run(threads_,
+                     {[this](PixelSample& next) { return queues_->sequence.next(next); },
+                      [this](const PixelSample& at, const FilmSample& s) { note_added(queues_->order.add(at, s)); },
+                      [this] { return stopped(); }, [this] { look_around(); }},
+                     rays);
+}
+
+void RenderSession::run_tiles(std::uint32_t end, std::vector<RayCounts>& rays) {
   next_tile_ = 0;
   run_threads(threads_, [&](int thread) {
-    Worker worker{thread, end, scene_.sampler->clone(), {}};
+    Worker worker{thread, end, scene_.sampler->clone(), {}, scene_.intersector->thread_expansions()};
     try {
-      for (std::size_t i = next_tile_++; i < tiles_.size() && !stopped(); i = next_tile_++)
+      for (std::size_t i = next_tile_++; i < tiles_.size() && !stopped(); i = next_tile_++) {
         render_tile(worker, tiles_[i]);
+        if (order_ == RayOrder::Auto && goes_on_to_queues(worker)) thrashes_ = true;
+      }
     } catch (...) {
       failed_ = true;
       throw;
     }
     rays[std::size_t(thread)] += worker.rays;
   });
+}
+
+// Looks at the last cells that the thread's rays asked for.
+bool RenderSession::goes_on_to_queues(Worker& worker) const {
+  constexpr std::uint64_t watched_cells = 1 << 12;
+  constexpr double most_reexpanded = 1e-3;  // at 150 us an expansion and 1.5 us a cell a tenth of the time
+  const ThreadExpansions now = scene_.intersector->thread_expansions();
+  const std::uint64_t acquired = now.acquired - worker.watched.acquired;
+  if (acquired < watched_cells) return false;
+  const std::uint64_t again = now.reexpanded - worker.watched.reexpanded;
+  worker.watched = now;
+  return double(again) > most_reexpanded * double(acquired);
 }
 
 void RenderSession::render_tile(Worker& worker, const PixelWindow& tile) {
@@ -128,31 +175,30 @@ void RenderSession::render_tile(Worker& worker, const PixelWindow& tile) {
 void RenderSession::render_pixel(Worker& worker, int x, int y) {
   const std::uint32_t first = film_.samples(x, y);
   std::uint32_t sample = first;
-  for (; sample < worker.pass_end && !stopped(); ++sample) take_sample(worker, x, y, options_.first_sample + sample);
-  if (sample == first) return;
-  if (samples_done_.fetch_add(sample - first, std::memory_order_relaxed) == samples_before_)
+  for (; sample < worker.pass_end && !stopped(); ++sample) take_sample(worker, {x, y, options_.first_sample + sample});
+  note_added(sample - first);
+}
+
+void RenderSession::note_added(std::uint32_t samples) {
+  if (samples > 0 && samples_done_.fetch_add(samples, std::memory_order_relaxed) == samples_before_)
     first_pixel_s_ = process_age_s();
 }
 
-void RenderSession::take_sample(Worker& worker, int x, int y, std::uint32_t sample) {
-  const RenderSettings& settings = scene_.settings;
+void RenderSession::take_sample(Worker& worker, const PixelSample& at) {
   Sampler& sampler = *worker.sampler;
-  sampler.start(x, y, int(sample), settings.seed);
-  // Choose where in the filter's support the ray passes, and where on the lens
-  const FilterSample at = filter_.sample(sampler.next_2d());
-  const CameraSample camera_sample{Vec2f{float(x) + 0.5f, float(y) + 0.5f} + at.offset, sampler.next_2d()};
-  const Ray ray = scene_.camera->ray(camera_sample, settings.width, settings.height);
-  FilmSample result{.weight = at.weight < 0 ? -1 : 1, .number = sample};
+  const CameraPaths::Start start = camera_.start(at, sampler);
+  FilmSample result{.weight = start.weight, .number = at.number};
   const std::uint64_t escaped_before = worker.rays.escaped;
   FirstSurface first;
   if (film_.wants_first_surface()) result.first = &first;
   if (film_.wants_costs())
-    measure_sample(worker, ray, first, result);
+    measure_sample(worker, start.ray, first, result);
   else
-    result.radiance = scene_.integrator->radiance(ray, scene_, sampler, worker.rays, result.first ? &first : nullptr);
+    result.radiance =
+        scene_.integrator->radiance(start.ray, scene_, sampler, worker.rays, result.first ? &first : nullptr);
   result.covered = worker.rays.escaped == escaped_before;
-  if (first.hit.valid()) result.depth = dot(first.hit.position - view_axis_.origin, view_axis_.direction);
-  film_.add(x, y, result);
+  if (first.hit.valid()) result.depth = camera_.depth(first.hit);
+  film_.add(at.x, at.y, result);
 }
 
 void RenderSession::measure_sample(Worker& worker, const Ray& ray, FirstSurface& first, FilmSample& sample) {
@@ -205,7 +251,8 @@ void RenderSession::send_progress(double now) {
 bool RenderSession::cancelled() const { return options_.cancel && options_.cancel->load(std::memory_order_relaxed); }
 
 bool RenderSession::stopped() const {
-  return failed_.load(std::memory_order_relaxed) || pausing_.load(std::memory_order_relaxed) || ended();
+  return failed_.load(std::memory_order_relaxed) || pausing_.load(std::memory_order_relaxed) ||
+         thrashes_.load(std::memory_order_relaxed) || ended();
 }
 
 }  // namespace meristem

@@ -7,6 +7,11 @@
 // image has the same bits for any number of threads, any size of tiles and any interruptions, since a pixel's samples
 // are counted off by (pixel, sample, seed) and summed exactly.
 //
+// That is the depth-first order. In the queued order (queued_paths.h) many paths are alive at once, passes overlap, and
+// samples come back as they like; they enter the film in their order all the same. With RayOrder::Auto a render begins
+// depth-first and goes over to queues when more than a thousandth of the cells that rays ask for have to be expanded
+// again; it does not go back. Integrators whose paths cannot be stopped stay depth-first.
+//
 // With RenderSettings::noise, passes double from 16 samples on, and after each the pixels that are finished are chosen
 // (film/noise.h).
 //
@@ -15,13 +20,15 @@
 
 #include "renderer/film/film.h"
 #include "renderer/film/film_file.h"
-#include "renderer/film/filter_sampler.h"
 #include "renderer/scene/scene.h"
+#include "renderer/session/camera_paths.h"
+#include "renderer/session/queued_paths.h"
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -59,12 +66,14 @@ struct SessionResult {
   double render_s = 0;
   std::optional<double> first_pixel_s;  // since the process began: when the first pixel had its first sample
   RenderEnd end = RenderEnd::Complete;
+  std::optional<QueueStatistics> queues;  // if rays were queued
 };
 
 class RenderSession {
  public:
   // The crop must meet the frame.
   RenderSession(const Scene& scene, SessionOptions options);
+  ~RenderSession();
 
   // Goes on from a film of the same scene and options; before render().
   void resume(Film film, AdaptiveState adaptive);
@@ -77,12 +86,17 @@ class RenderSession {
 
  private:
   struct Worker;
+  struct Queues;
   static std::vector<std::uint32_t> pass_ends(std::uint32_t samples, bool adaptive);
 
   void run_pass(std::uint32_t end, std::vector<RayCounts>& rays);
+  void run_tiles(std::uint32_t end, std::vector<RayCounts>& rays);
+  void run_queues(std::uint32_t end, std::vector<RayCounts>& rays);
+  bool goes_on_to_queues(Worker& worker) const;
+  void note_added(std::uint32_t samples);
   void render_tile(Worker& worker, const PixelWindow& tile);
   void render_pixel(Worker& worker, int x, int y);
-  void take_sample(Worker& worker, int x, int y, std::uint32_t sample);
+  void take_sample(Worker& worker, const PixelSample& at);
   void measure_sample(Worker& worker, const Ray& ray, FirstSurface& first, FilmSample& sample);
   void choose_finished(std::uint32_t end);
   std::uint64_t samples_to_take() const;
@@ -95,13 +109,14 @@ class RenderSession {
 
   const Scene& scene_;
   SessionOptions options_;
-  FilterSampler filter_;
+  CameraPaths camera_;
   Film film_;
   AdaptiveState adaptive_;
-  Ray view_axis_;  // depth is measured along it
   std::vector<PixelWindow> tiles_;
   std::vector<std::uint32_t> pass_ends_;  // each the number of samples that a pixel has after it
   int threads_;
+  RayOrder order_;
+  std::unique_ptr<Queues> queues_;  // once rays are queued
 
   // Of the calling thread.
   int pass_number_ = 0;
@@ -114,7 +129,8 @@ class RenderSession {
   std::atomic<double> first_pixel_s_{-1};
   std::atomic<bool> failed_{false};  // a worker threw: the others stop
   std::atomic<bool> out_of_time_{false};
-  std::atomic<bool> pausing_{false};  // for a snapshot
+  std::atomic<bool> pausing_{false};   // for a snapshot
+  std::atomic<bool> thrashes_{false};  // RayOrder::Auto: time for queues
 };
 
 }  // namespace meristem

@@ -17,23 +17,27 @@ struct Rendered {
   Image image;
   std::string sha256;
   ExpansionStatistics expansion;
+  std::optional<QueueStatistics> queues;
 };
 
 class SameImage : public testing::Test {
  protected:
-  SameImage() { std::ofstream(scene_) << branch_scene(); }
+  SameImage() { write(branch_scene()); }
+  void write(const std::string& text) const { std::ofstream(scene_) << text; }
 
-  Rendered render(ExpandMode mode, int threads, std::uint64_t budget_bytes) const {
+  Rendered render(ExpandMode mode, int threads, std::uint64_t budget_bytes,
+                  RayOrder order = RayOrder::DepthFirst) const {
     LoadOptions options;
+    options.ray_order = order;
     options.expand = mode;
     options.threads = threads;
     options.budget_bytes = budget_bytes;
     const LoadedScene loaded = load_scene(scene_, options);
     RenderSession session(*loaded.scene, {.threads = threads});
-    session.render();
+    const SessionResult result = session.render();
     Image image = session.film().develop();
     const std::string digest = image_sha256(image);
-    return {std::move(image), digest, loaded.scene->intersector->statistics()};
+    return {std::move(image), digest, loaded.scene->intersector->statistics(), result.queues};
   }
 
   // As the error says that one gets with less.
@@ -73,6 +77,41 @@ TEST_F(SameImage, LazyAndEagerForAnyThreadsAndBudget) {
       EXPECT_TRUE(lazy.expansion.evicted == 0 || budget < no_limit);
     }
   }
+}
+
+// Growth, instances in instances, light through leaves, glass; queued at budgets at which every cell is expanded again
+// and again.
+TEST_F(SameImage, DepthFirstAndQueuedForAnyThreadsAndBudget) {
+  write(R"json({ "format": 1, "models": {
+      "branch": )json" +
+        branch_text() + R"json(,
+      "veil": { "base": { "type": "plane", "width": 3, "depth": 3 }, "material": "veil",
+                "steps": [ { "subdivide": 4, "place": "0.3*scale*N*snoise(9*P)" } ] },
+      "pair": { "group": [ { "model": "branch" },
+                           { "model": "branch", "seed": 1, "position": [1, 0, -1], "rotate": [0, 40, 0] },
+                           { "model": "veil", "position": [0.4, 2.6, 0], "rotate": [20, 0, 0] } ] } },
+    "materials": { "veil": { "base_color": [0.2, 0.5, 0.1], "geometry_opacity": 0.6 } },
+    "objects": [ { "model": "pair" }, { "model": "pair", "position": [-1, 0.5, -1], "rotate": [0, 130, 10] } ],
+    "lights": [ { "type": "sky", "elevation": 32 } ],
+    "camera": { "from": [2, 1.5, 4], "to": [0.3, 1.5, 0], "fov": 46 },
+    "render": { "size": [32, 18], "samples": 3, "max_depth": 3, "detail": 0.15 } })json");
+  const Rendered eager = render(ExpandMode::Eager, 2, no_limit);
+  const std::uint64_t touched_bytes = render(ExpandMode::Lazy, 1, no_limit).expansion.resident_bytes_peak;
+  for (const auto& [threads, budget] : {std::pair(1, touched_bytes / 2), std::pair(2, touched_bytes / 16),
+                                        std::pair(8, touched_bytes / 4), std::pair(8, no_limit)}) {
+    const Rendered queued = render(ExpandMode::Lazy, threads, budget, RayOrder::Queued);
+    EXPECT_EQ(queued.sha256, eager.sha256) << threads << " threads, " << budget << " bytes";
+    EXPECT_TRUE(queued.expansion.defects.empty());
+    ASSERT_TRUE(queued.queues);
+    EXPECT_GT(queued.queues->waits, queued.queues->served);
+  }
+  // Left to itself, the render goes over to queues where it pays.
+  const Rendered small = render(ExpandMode::Lazy, 2, touched_bytes / 4, RayOrder::Auto),
+                 large = render(ExpandMode::Lazy, 2, no_limit, RayOrder::Auto);
+  EXPECT_EQ(small.sha256, eager.sha256);
+  EXPECT_EQ(large.sha256, eager.sha256);
+  EXPECT_TRUE(small.queues);
+  EXPECT_FALSE(large.queues);
 }
 
 TEST_F(SameImage, FlatDiffersInAFewPixelsAtMost) {

@@ -1,0 +1,70 @@
+// RaySearch: a ray that expands nothing on its way, so that it can wait until many rays need the same cell.
+//
+// It passes through resident cells like any ray. A cell that it enters and that is not resident is noted, together with
+// the way to it from the world's objects. Noted cells are visited in the order in which the ray enters them, until none
+// begins before the nearest hit so far; at the first that is not resident the ray waits. Visiting expands that cell
+// alone, goes on below it and may note more. So at least the cells are visited that a ray meets which expands at once,
+// and since of two hits at one distance the tie rule decides, one visit too many changes nothing: the hit has the same
+// bits. The list is complete from the beginning: no search starts again from a distance, which would lose hits.
+//
+// While it waits it holds no pointer into the geometry: what it waits for has a name and a way of indices. So the
+// cell's parents may be evicted, and are expanded again when the ray goes their way.
+//
+// Of one thread at a time.
+#pragma once
+
+#include "geometry/accel/surface.h"
+#include "geometry/base/key.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace meristem {
+
+// Cells that a ray has entered and that were not resident.
+class MissingCells {
+ public:
+  using Way = std::span<const std::uint32_t>;  // from the world's objects: instances and children by number
+
+  // A ray that misses more is not worth waiting: it overflows, and nothing more is noted.
+  static constexpr std::size_t most_cells = 64;
+  bool overflows() const { return count_ > most_cells; }
+
+  void note(Key name, float entry, Way way);
+  static constexpr std::size_t none = ~std::size_t(0);
+  // The one that the ray enters first, if it does at or before t.
+  std::size_t first(float t) const;
+  Key name(std::size_t cell) const { return words_[cell + 1] | Key(words_[cell + 2]) << 32; }
+  Way way(std::size_t cell) const { return Way(words_).subspan(cell + header, words_[cell + 3]); }
+  void remove(std::size_t cell);
+  void clear() { words_.clear(), count_ = 0; }
+  std::size_t bytes() const { return words_.capacity() * sizeof(std::uint32_t); }
+
+ private:
+  // One after another: the bits of the entry, the name in two words, the length of the way, the way.
+  static constexpr std::size_t header = 4;
+  std::vector<std::uint32_t> words_;
+  std::uint32_t count_ = 0;  // noted, the removed ones among them
+};
+
+class RaySearch {
+ public:
+  enum class End : std::uint8_t { Missed, Met, Waits };
+
+  // The cell that the search waits for, by a name that all rays share.
+  Key waits_for() const { return name_; }
+  // Beside the object itself.
+  std::size_t bytes() const { return missing_.bytes() + (kept_ ? sizeof(*kept_) : 0); }
+
+ private:
+  friend class SearchDriver;  // of the world
+  MissingCells missing_;
+  std::unique_ptr<SurfaceHit> kept_;  // the nearest hit so far, if has_hit_
+  Key hit_key_ = 0, name_ = 0;
+  bool waits_ = false, has_hit_ = false;
+};
+
+}  // namespace meristem

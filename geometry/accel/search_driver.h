@@ -1,0 +1,36 @@
+// SearchDriver: one call that carries a RaySearch on, between the search that waits and Embree's callbacks.
+#pragma once
+
+#include "geometry/accel/instances.h"
+
+namespace meristem {
+
+class SearchDriver {
+ public:
+  // Puts the nearest hit so far into the ray. All must outlive it.
+  SearchDriver(RaySearch& search, bool any, RayContext& context, RTCRayHit& ray);
+  SearchDriver(const SearchDriver&) = delete;
+  SearchDriver& operator=(const SearchDriver&) = delete;
+
+  RaySearch::End go_on(const Instances& objects);
+  // The search has no end: it would have to wait for too many cells.
+  bool overflows() const { return search_.missing_.overflows(); }
+
+  // Before it waits; `nearer`: a hit that this call found, or nullptr.
+  void keep(const SurfaceHit* nearer);
+  // The nearest hit, if it is none of this call.
+  const SurfaceHit& kept() const { return *search_.kept_; }
+  // Makes the search as new, but for memory.
+  void end();
+
+ private:
+  bool has_ended() const { return state_.any && ray_.ray.tfar < 0; }
+  bool visit(const Instances& objects, std::size_t cell);
+
+  RaySearch& search_;
+  RayContext& context_;
+  RTCRayHit& ray_;
+  RayContext::Search state_;
+};
+
+}  // namespace meristem

@@ -1,0 +1,27 @@
+#include "renderer/session/camera_paths.h"
+
+namespace meristem {
+
+namespace {
+
+// Through the middle of the image and of the lens.
+Ray central_ray(const Scene& scene) {
+  const RenderSettings& s = scene.settings;
+  return scene.camera->ray({{0.5f * float(s.width), 0.5f * float(s.height)}, {0.5f, 0.5f}}, s.width, s.height);
+}
+
+}  // namespace
+
+CameraPaths::CameraPaths(const Scene& scene) : scene_(scene), filter_(*scene.filter), view_axis_(central_ray(scene)) {}
+
+CameraPaths::Start CameraPaths::start(const PixelSample& sample, Sampler& sampler) const {
+  const RenderSettings& settings = scene_.settings;
+  sampler.start(sample.x, sample.y, int(sample.number), settings.seed);
+  // Choose where in the filter's support the ray passes, and where on the lens
+  const FilterSample at = filter_.sample(sampler.next_2d());
+  const Vec2f pixel{float(sample.x) + 0.5f, float(sample.y) + 0.5f};
+  const CameraSample camera_sample{pixel + at.offset, sampler.next_2d()};
+  return {scene_.camera->ray(camera_sample, settings.width, settings.height), at.weight < 0 ? -1 : 1};
+}
+
+}  // namespace meristem

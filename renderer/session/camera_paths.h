@@ -1,0 +1,35 @@
+// CameraPaths: where the samples of a pixel begin. Immutable; any thread.
+#pragma once
+
+#include "renderer/film/filter_sampler.h"
+#include "renderer/scene/scene.h"
+
+namespace meristem {
+
+// One sample of a pixel in image coordinates, by its number in the whole render.
+struct PixelSample {
+  int x = 0, y = 0;
+  std::uint32_t number = 0;
+};
+
+class CameraPaths {
+ public:
+  explicit CameraPaths(const Scene& scene);
+
+  struct Start {
+    Ray ray;
+    int weight;  // of the sample: +1 or -1
+  };
+  // Leaves the sampler where the path goes on.
+  Start start(const PixelSample& sample, Sampler& sampler) const;
+  // Of a surface, along the view axis.
+  float depth(const SurfaceHit& hit) const { return dot(hit.position - view_axis_.origin, view_axis_.direction); }
+  float mean_weight() const { return filter_.mean_weight(); }
+
+ private:
+  const Scene& scene_;
+  const FilterSampler filter_;
+  const Ray view_axis_;
+};
+
+}  // namespace meristem

@@ -1,0 +1,295 @@
+#include "renderer/session/queued_paths.h"
+
+#include "geometry/base/check.h"
+#include "geometry/base/parallel.h"
+#include "renderer/film/film.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+
+namespace meristem {
+
+namespace {
+
+// Paths that memory is asked for at once.
+constexpr std::size_t chunk_paths = 1024;
+// What a thread claims: enough that the lock does not matter, few enough that others find something.
+constexpr std::size_t most_begun = 64, most_claimed = 512;
+
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
+
+struct QueuedPaths::Slot {
+  PixelSample sample;
+  std::uint32_t dimension = 0;  // of random numbers
+  int weight = 0;
+  bool is_begun = false;
+  std::size_t search_bytes = 0;
+  RaySearch search;
+};
+
+// What a path has taken, over all its turns.
+struct QueuedPaths::Cost {
+  std::uint64_t nanoseconds = 0;
+  ThreadExpansions expansions;
+};
+
+// Adds the time and the expansions of one turn to a cost, if there is one.
+class QueuedPaths::Meter {
+ public:
+  Meter(Cost* cost, const Intersector& world, bool is_begun) : cost_(cost), world_(world) {
+    if (!cost_) return;
+    if (!is_begun) *cost_ = {};
+    started_ = Clock::now();
+    before_ = world_.thread_expansions();
+  }
+  ~Meter() { stop(); }
+  Meter(const Meter&) = delete;
+  Meter& operator=(const Meter&) = delete;
+
+  void stop() {
+    if (!cost_) return;
+    const ThreadExpansions after = world_.thread_expansions();
+    cost_->expansions.expanded += after.expanded - before_.expanded;
+    cost_->expansions.reexpanded += after.reexpanded - before_.reexpanded;
+    cost_->nanoseconds += std::uint64_t(std::chrono::nanoseconds(Clock::now() - started_).count());
+    cost_ = nullptr;
+  }
+
+ private:
+  Cost* cost_;
+  const Intersector& world_;
+  Clock::time_point started_;
+  ThreadExpansions before_;
+};
+
+struct QueuedPaths::Chunk {
+  std::vector<Slot> slots;
+  std::vector<std::max_align_t> states;
+  std::vector<FirstSurface> first;  // if wanted, as the next
+  std::vector<Cost> costs;
+
+  static std::size_t bytes(std::size_t state_words, Wants wants) {
+    return sizeof(Chunk) +
+           chunk_paths * (sizeof(Slot) + state_words * sizeof(std::max_align_t) +
+                          (wants.first_surface ? sizeof(FirstSurface) : 0) + (wants.costs ? sizeof(Cost) : 0));
+  }
+  Chunk(std::size_t state_words, Wants wants) : slots(chunk_paths), states(chunk_paths * state_words) {
+    if (wants.first_surface) first.resize(chunk_paths);
+    if (wants.costs) costs.resize(chunk_paths);
+  }
+};
+
+// What one thread has of its own.
+struct QueuedPaths::Worker {
+  const Exchange& exchange;
+  int thread;
+  std::unique_ptr<Sampler> sampler;
+  RayCounts rays;
+  std::vector<std::uint32_t> claimed;
+  std::vector<std::uint32_t> ended;
+  std::vector<std::pair<Key, std::uint32_t>> waiting;
+};
+
+QueuedPaths::QueuedPaths(const Scene& scene, const CameraPaths& camera, Wants wants, std::size_t most_bytes)
+    : scene_(scene),
+      stepper_(*scene.integrator->stepper()),
+      camera_(camera),
+      wants_(wants),
+      most_bytes_(most_bytes),
+      state_words_((stepper_.state_bytes() + sizeof(std::max_align_t) - 1) / sizeof(std::max_align_t)) {
+  chunks_.reserve(most_bytes / Chunk::bytes(state_words_, wants_) + 1);
+}
+
+QueuedPaths::~QueuedPaths() = default;
+
+QueuedPaths::Slot& QueuedPaths::slot(std::uint32_t id) { return chunks_[id / chunk_paths]->slots[id % chunk_paths]; }
+
+void* QueuedPaths::state(std::uint32_t id) {
+  return &chunks_[id / chunk_paths]->states[id % chunk_paths * state_words_];
+}
+
+void QueuedPaths::run(int threads, const Exchange& exchange, std::vector<RayCounts>& rays) {
+  exhausted_ = false;
+  working_ = 0;
+  run_threads(threads, [&](int thread) {
+    Worker worker{exchange, thread, scene_.sampler->clone(), {}, {}, {}, {}};
+    try {
+      work(worker);
+    } catch (...) {
+      {
+        const std::lock_guard lock(mutex_);
+        failed_ = true;
+      }
+      changed_.notify_all();
+      throw;
+    }
+    rays[std::size_t(thread)] += worker.rays;
+  });
+}
+
+void QueuedPaths::work(Worker& worker) {
+  while (claim(worker)) {
+    std::size_t done = 0;
+    for (; done < worker.claimed.size() && !worker.exchange.stopped(); ++done) {
+      follow(worker, worker.claimed[done]);
+      if (worker.thread == 0) worker.exchange.look_around();
+    }
+    worker.claimed.erase(worker.claimed.begin(), worker.claimed.begin() + std::ptrdiff_t(done));
+    hand_back(worker);
+  }
+}
+
+// Those that were not followed because of a stop go back to where they waited; one that has not begun waits under its
+// own number.
+void QueuedPaths::hand_back(Worker& worker) {
+  {
+    const std::lock_guard lock(mutex_);
+    for (const std::uint32_t id : worker.claimed) worker.waiting.push_back({slot(id).search.waits_for(), id});
+    for (const auto& [name, id] : worker.waiting) queues_.add(name, id);
+    statistics_.waits += worker.waiting.size();
+    free_.insert(free_.end(), worker.ended.begin(), worker.ended.end());
+    alive_ -= worker.ended.size();
+    statistics_.bytes_peak = std::max<std::uint64_t>(statistics_.bytes_peak, bytes());
+    --working_;
+  }
+  worker.claimed.clear(), worker.waiting.clear(), worker.ended.clear();
+  changed_.notify_all();
+}
+
+// New paths before old ones: the more wait, the more a cell serves. False: there is nothing left to do.
+bool QueuedPaths::claim(Worker& worker) {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    if (failed_ || worker.exchange.stopped()) return false;
+    begin_paths(worker);
+    if (worker.claimed.empty() && !queues_.empty()) {
+      queues_.take_from_longest(most_claimed, worker.claimed);
+      ++statistics_.served;
+    }
+    if (!worker.claimed.empty()) {
+      ++working_;
+      return true;
+    }
+    if (working_ == 0) {
+      changed_.notify_all();
+      return false;
+    }
+    if (worker.thread != 0) {
+      changed_.wait(lock);
+      continue;
+    }
+    changed_.wait_for(lock, std::chrono::milliseconds(50));
+    lock.unlock();
+    worker.exchange.look_around();
+    lock.lock();
+  }
+}
+
+void QueuedPaths::begin_paths(Worker& worker) {
+  while (!exhausted_ && worker.claimed.size() < most_begun && has_room()) {
+    PixelSample sample;
+    if (!worker.exchange.next(sample)) {
+      exhausted_ = true;
+      return;
+    }
+    const std::uint32_t id = free_.back();
+    free_.pop_back();
+    slot(id).sample = sample;
+    slot(id).is_begun = false;
+    worker.claimed.push_back(id);
+    statistics_.paths_peak = std::max<std::uint64_t>(statistics_.paths_peak, ++alive_);
+  }
+}
+
+// For another path; one is always alive. The searches of paths that have just begun will grow.
+bool QueuedPaths::has_room() {
+  constexpr std::size_t usual_search_bytes = 192;
+  const std::size_t searches = search_bytes_.load(std::memory_order_relaxed),
+                    to_come = std::max(searches, alive_ * usual_search_bytes) - searches;
+  const std::size_t new_chunk = free_.empty() ? Chunk::bytes(state_words_, wants_) : 0;
+  if (alive_ > 0 && bytes() + to_come + new_chunk > most_bytes_) return false;
+  if (!free_.empty()) return true;
+  if (chunks_.size() == chunks_.capacity()) return false;
+  const std::size_t first = chunks_.size() * chunk_paths;
+  chunks_.push_back(std::make_unique<Chunk>(state_words_, wants_));
+  for (std::size_t i = chunk_paths; i-- > 0;) free_.push_back(std::uint32_t(first + i));
+  return true;
+}
+
+std::size_t QueuedPaths::bytes() const {
+  return chunks_.size() * Chunk::bytes(state_words_, wants_) + search_bytes_.load(std::memory_order_relaxed) +
+         queues_.bytes() + free_.capacity() * sizeof(std::uint32_t);
+}
+
+// Until the path ends or waits.
+void QueuedPaths::follow(Worker& worker, std::uint32_t id) {
+  Slot& s = slot(id);
+  Chunk& chunk = *chunks_[id / chunk_paths];
+  FirstSurface* first = wants_.first_surface ? &chunk.first[id % chunk_paths] : nullptr;
+  Sampler& sampler = *worker.sampler;
+  const PathTools tools{scene_, sampler, worker.rays, first};
+  Meter meter(wants_.costs ? &chunk.costs[id % chunk_paths] : nullptr, *scene_.intersector, s.is_begun);
+  if (s.is_begun) {
+    sampler.start(s.sample.x, s.sample.y, int(s.sample.number), scene_.settings.seed);
+    sampler.go_to(s.dimension);
+  } else {
+    if (first) *first = {};
+    const CameraPaths::Start start = camera_.start(s.sample, sampler);
+    s.weight = start.weight;
+    s.is_begun = true;
+    stepper_.begin(state(id), start.ray, tools);
+  }
+  const std::uint64_t escaped = worker.rays.escaped;
+  if (go_on(id, tools)) {
+    s.dimension = sampler.dimension();
+    worker.waiting.push_back({s.search.waits_for(), id});
+  } else {
+    meter.stop();
+    deliver(worker.exchange, id, worker.rays.escaped == escaped);
+    worker.ended.push_back(id);
+  }
+  const std::size_t bytes = s.search.bytes();
+  search_bytes_.fetch_add(bytes - s.search_bytes, std::memory_order_relaxed);  // modulo 2^64
+  s.search_bytes = bytes;
+}
+
+// Whether the path waits now.
+bool QueuedPaths::go_on(std::uint32_t id, const PathTools& tools) {
+  while (true) {
+    const RayRequest request = stepper_.request(state(id));
+    if (request.kind == RayRequest::Kind::None) return false;
+    SurfaceHit hit;
+    const RaySearch::End end =
+        scene_.intersector->search(request.ray, request.kind == RayRequest::Kind::Any, slot(id).search, hit);
+    if (end == RaySearch::End::Waits) return true;
+    stepper_.answer(state(id), end == RaySearch::End::Met, hit, tools);
+  }
+}
+
+void QueuedPaths::deliver(const Exchange& exchange, std::uint32_t id, bool covered) {
+  const Slot& s = slot(id);
+  const Chunk& chunk = *chunks_[id / chunk_paths];
+  FilmSample sample{
+      .radiance = stepper_.result(state(id)), .covered = covered, .weight = s.weight, .number = s.sample.number};
+  if (wants_.first_surface) {
+    sample.first = &chunk.first[id % chunk_paths];
+    if (sample.first->hit.valid()) sample.depth = camera_.depth(sample.first->hit);
+  }
+  if (wants_.costs) {
+    const Cost& cost = chunk.costs[id % chunk_paths];
+    sample.nanoseconds = cost.nanoseconds;
+    sample.expansions = cost.expansions;
+  }
+  const std::lock_guard lock(delivery_);
+  exchange.deliver(s.sample, sample);
+}
+
+QueueStatistics QueuedPaths::statistics() const {
+  const std::lock_guard lock(mutex_);
+  return statistics_;
+}
+
+}  // namespace meristem
