@@ -246,8 +246,9 @@ class LazyRoot final : public ModelRoot {
       check_bounds(bounds, entry->real_bounds());
       return entry;
     }
-    check_bounds(bounds, expansion.leaf->bounds());
-    return std::make_unique<CellEntry>(SurfacePatch::make_isolated(std::move(*expansion.leaf)), key);
+    auto entry = std::make_unique<CellEntry>(SurfacePatch::make_isolated(std::move(*expansion.leaf)), key);
+    check_bounds(bounds, entry->real_bounds());
+    return entry;
   }
 
   std::unique_ptr<CellEntry> placed(const std::vector<Placement>& placements) const {

@@ -1,6 +1,7 @@
 #include "geometry/cells/tessellation.h"
 
 #include "geometry/base/check.h"
+#include "geometry/mesh/face_sums.h"
 #include "geometry/mesh/refine.h"
 
 #include <algorithm>
@@ -16,24 +17,69 @@ std::size_t capacity_bytes(const std::vector<T>& v) {
   return v.capacity() * sizeof(T);
 }
 
-// The mean of the unit normals of the faces that meet in a vertex.
-std::vector<Vec3d> vertex_normals(const Mesh& mesh) {
-  std::vector<Vec3d> sums(mesh.vertex_count());
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
-    const auto corners = mesh.corners(f);
-    const Vec3d normal = unit_face_normal(mesh.positions, corners.data(), std::uint32_t(corners.size()));
-    for (std::uint32_t v : corners) sums[v] += normal;
-  }
-  for (Vec3d& n : sums) n = normalize(n);
-  return sums;
+bool has_quads_alone(const Mesh& mesh) {
+  for (std::size_t f = 0; f < mesh.face_starts.size(); ++f)
+    if (mesh.face_starts[f] != 4 * f) return false;
+  return true;
 }
+
+// The mean of the unit normals of the faces that meet in a vertex.
+void find_vertex_normals(const Mesh& mesh, Vec3d* normals) {
+  Scratch<FaceSum> sums(mesh.vertex_count(), FaceSum{});
+  if (has_quads_alone(mesh)) {
+    add_quads(mesh.positions, mesh.corner_vertices, Quantum(), sums.span());
+  } else {
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+      const auto corners = mesh.corners(f);
+      const Vec3d normal = unit_face_normal(mesh.positions, corners.data(), std::uint32_t(corners.size()));
+      for (std::uint32_t v : corners) sums[v].normal += normal;
+    }
+  }
+  unit_normals(sums.span(), normals);
+}
+
+// The surface that is shown, and where its u, v lie: the mesh's own arrays where it is shown as it is.
+class ShownSurface {
+ public:
+  ShownSurface(const CellMesh& cell, const std::optional<RefineOptions>& smoothing)
+      : normals_(smoothing ? 0 : cell.mesh.vertex_count()) {
+    if (smoothing) {
+      limit_ = limit_surface(cell.mesh, cell.owned_faces, *smoothing);
+      positions = limit_.positions;
+      normals = limit_.normals;
+    } else {
+      find_vertex_normals(cell.mesh, normals_.data());
+      positions = cell.mesh.positions;
+      normals = normals_.span();
+    }
+    if (cell.mesh.uv.empty()) uv_ = vertex_uv(cell.mesh);
+    uv = cell.mesh.uv.empty() ? uv_ : cell.mesh.uv;
+  }
+  ShownSurface(const ShownSurface&) = delete;
+  ShownSurface& operator=(const ShownSurface&) = delete;
+
+  std::span<const Vec3d> positions, normals;
+  std::span<const Vec2d> uv;
+
+ private:
+  LimitSurface limit_;
+  Scratch<Vec3d> normals_;
+  std::vector<Vec2d> uv_;
+};
 
 class Tessellator {
  public:
   Tessellator(const CellMesh& cell, int level, const std::optional<RefineOptions>& smoothing)
-      : mesh_(cell.mesh), level_(level), surface_(shown_surface(cell, smoothing)), uv_(vertex_uv(cell.mesh)) {
+      : mesh_(cell.mesh), level_(level), surface_(cell, smoothing) {
     out_.origins = cell.mesh.origins;
     out_.face_count = cell.owned_faces;
+  }
+
+  // Room for the vertices that the grids will have, if nothing of them is frozen, and one more (see take()).
+  void reserve(std::size_t vertices) {
+    out_.positions.reserve(vertices + 1);
+    out_.normals.reserve(vertices);
+    vertex_uv_.reserve(vertices);
   }
 
   // A square of 4^levels faces from `first` on: their order is that of a quadtree whose children run around the face.
@@ -71,9 +117,13 @@ class Tessellator {
 
   Tessellation take() {
     pack_uv();
-    // Vectors have grown by doubling
-    out_.positions.reserve(out_.positions.size() + 1);
-    out_.positions.shrink_to_fit();
+    // Vectors may have grown by doubling
+    if (out_.positions.capacity() != out_.positions.size() + 1) {
+      std::vector<Vec3f> exact;
+      exact.reserve(out_.positions.size() + 1);
+      exact.assign(out_.positions.begin(), out_.positions.end());
+      out_.positions.swap(exact);
+    }
     out_.normals.shrink_to_fit();
     out_.grids.shrink_to_fit();
     out_.triangles.shrink_to_fit();
@@ -145,7 +195,7 @@ class Tessellator {
     }
     out_.positions.push_back(Vec3f(surface_.positions[v]));
     out_.normals.push_back(PackedNormal::pack(Vec3f(surface_.normals[v])));
-    vertex_uv_.push_back({float(uv_[v].x), float(uv_[v].y)});
+    vertex_uv_.push_back({float(surface_.uv[v].x), float(surface_.uv[v].y)});
     return std::uint32_t(out_.positions.size()) - 1;
   }
   std::uint32_t shared_vertex(std::uint32_t v) {
@@ -157,8 +207,7 @@ class Tessellator {
 
   const Mesh& mesh_;
   const int level_;
-  const LimitSurface surface_;
-  const std::vector<Vec2d> uv_;
+  const ShownSurface surface_;
   std::vector<std::uint32_t> grid_vertices_, shared_;
   std::vector<Vec2f> vertex_uv_;  // of the output
   std::uint32_t grid_width_ = 0, grid_origin_ = 0;
@@ -169,7 +218,9 @@ class Tessellator {
 
 LimitSurface shown_surface(const CellMesh& cell, const std::optional<RefineOptions>& smoothing) {
   if (smoothing) return limit_surface(cell.mesh, cell.owned_faces, *smoothing);
-  return {cell.mesh.positions, vertex_normals(cell.mesh)};
+  LimitSurface surface{cell.mesh.positions, std::vector<Vec3d>(cell.mesh.vertex_count())};
+  find_vertex_normals(cell.mesh, surface.normals.data());
+  return surface;
 }
 
 std::size_t Tessellation::bytes() const {
@@ -191,10 +242,18 @@ Tessellation tessellate(const CellMesh& cell, int level, std::span<const std::ui
     for (std::uint32_t f = 0; f < cell.owned_faces; ++f) tessellator.add_polygon(f);
     return tessellator.take();
   }
+  const auto levels_of = [&](std::uint32_t corners) { return corners == 4 ? refinements : refinements - 1; };
+  const auto squares_of = [](std::uint32_t corners) { return corners == 4 ? 1 : corners; };
+  std::size_t vertices = 0;
+  for (std::uint32_t corners : root_corners) {
+    const std::size_t width = (std::size_t(1) << levels_of(corners)) + 1;
+    vertices += squares_of(corners) * width * width;
+  }
+  if (cell.mesh.frozen.empty()) tessellator.reserve(vertices);
   std::uint32_t first = 0;
   for (std::uint32_t corners : root_corners) {
-    const int levels = corners == 4 ? refinements : refinements - 1;
-    const std::uint32_t squares = corners == 4 ? 1 : corners;
+    const int levels = levels_of(corners);
+    const std::uint32_t squares = squares_of(corners);
     for (std::uint32_t i = 0; i < squares; ++i, first += 1u << (2 * levels)) tessellator.add_grid(first, levels);
   }
   CHECK(first == cell.owned_faces, "{} faces in squares, {} owned", first, cell.owned_faces);

@@ -17,6 +17,8 @@ class Quantum {
   explicit Quantum(double step = 0x1p-40) : step_(step), magic_(step * 0x1.8p52) {}
 
   double step() const { return step_; }
+  // What is added and taken off again to round.
+  double magic() const { return magic_; }
   // The nearest multiple of the step; |x| < 2^51 steps. Not to be compiled with -ffast-math.
   double round(double x) const { return (x + magic_) - magic_; }
   Vec3d round(Vec3d v) const { return {round(v.x), round(v.y), round(v.z)}; }

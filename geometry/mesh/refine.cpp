@@ -1,6 +1,7 @@
 #include "geometry/mesh/refine.h"
 
 #include "geometry/base/check.h"
+#include "geometry/mesh/face_sums.h"
 
 #include <algorithm>
 
@@ -41,37 +42,46 @@ class RowGrid {
   Row magic_;
 };
 
-// The scheme's vertex placement over one plan. Sums are exact (all terms on the grid); each result is rounded once.
+// The scheme's vertex placement over one plan, into positions and u, v of all its computed vertices. Sums are exact
+// (all terms on the grid); each result is rounded once.
 class Smoothing {
  public:
-  Smoothing(const Mesh& mesh, const RefinePlan& plan, const Quantum& quantum)
+  Smoothing(const Mesh& mesh, const RefinePlan& plan, const Quantum& quantum, RefinedMesh& out)
       : plan_(plan),
         grid_(quantum.step(), unit_quantum.step()),
         fine_grid_(quantum.step() / 16, unit_quantum.step() / 16),
-        out_(plan.computed_vertices) {
-    read(mesh);
+        in_(mesh.vertex_count()),
+        face_points_(plan.corners_per_face == 3 ? 0 : mesh.face_count()),
+        positions_(out.positions.data()),
+        uv_(out.uv.data()) {
+    if (mesh.uv.empty())
+      read(mesh, vertex_uv(mesh));
+    else
+      read(mesh, mesh.uv);
     const bool is_loop = plan.corners_per_face == 3;
     if (!is_loop) find_face_points(mesh);
-    for (const auto& v : plan.face_vertices) out_[v.out] = grid_.round(face_points_[v.face]);
-    for (const auto& v : plan.edge_vertices) out_[v.out] = grid_.round(is_loop ? loop_edge(v) : edge(v));
-    for (const auto& v : plan.vertex_vertices) out_[v.out] = grid_.round(is_loop ? vertex<true>(v) : vertex<false>(v));
+    for (const auto& v : plan.face_vertices) put(v.out, face_points_[v.face]);
+    for (const auto& v : plan.edge_vertices) put(v.out, is_loop ? loop_edge(v) : edge(v));
+    for (const auto& v : plan.vertex_vertices) put(v.out, is_loop ? vertex<true>(v) : vertex<false>(v));
   }
-  const std::vector<Row>& result() const { return out_; }
 
  private:
-  void read(const Mesh& mesh) {
-    const std::vector<Vec2d> uv = vertex_uv(mesh);
-    in_.resize(mesh.vertex_count());
+  void read(const Mesh& mesh, const std::vector<Vec2d>& uv) {
     for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
       const Vec3d p = mesh.positions[v];
       in_[v] = {{p.x, p.y, p.z, uv[v].x, uv[v].y, 0}};
     }
   }
 
+  void put(std::uint32_t vertex, const Row& exact) {
+    const Row r = grid_.round(exact);
+    positions_[vertex] = {r.c[0], r.c[1], r.c[2]};
+    uv_[vertex] = {r.c[3], r.c[4]};
+  }
+
   // Face points of quads are exact on a grid 4 times finer; others are rounded to one 16 times finer, so that their
   // sums stay exact.
   void find_face_points(const Mesh& mesh) {
-    face_points_.resize(mesh.face_count());
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
       Row sum;
       for (std::uint32_t v : mesh.corners(f)) sum += in_[v];
@@ -138,7 +148,9 @@ class Smoothing {
 
   const RefinePlan& plan_;
   const RowGrid grid_, fine_grid_;
-  std::vector<Row> in_, face_points_, out_;
+  Scratch<Row> in_, face_points_;
+  Vec3d* const positions_;
+  Vec2d* const uv_;
 };
 
 std::vector<Key> refined_face_keys(const Mesh& mesh, const RefinePlan& plan, Key step_key) {
@@ -202,9 +214,20 @@ std::vector<FrozenVertex> refined_frozen(const Mesh& mesh, const RefinePlan& pla
   return out;
 }
 
-double mean_diagonal(const std::vector<Vec3d>& p, const std::uint32_t* c, std::uint32_t count) {
-  if (count == 4) return 0.5 * (length(p[c[2]] - p[c[0]]) + length(p[c[3]] - p[c[1]]));
+double mean_edge(std::span<const Vec3d> p, const std::uint32_t* c) {
   return (length(p[c[1]] - p[c[0]]) + length(p[c[2]] - p[c[1]]) + length(p[c[0]] - p[c[2]])) / 3;
+}
+
+void add_triangles(std::span<const Vec3d> positions, std::span<const std::uint32_t> corners, const Quantum& quantum,
+                   std::span<FaceSum> sums) {
+  for (std::size_t i = 0; i < corners.size(); i += 3) {
+    const Vec3d normal = unit_face_normal(positions, &corners[i], 3);
+    const double diagonal = quantum.round(mean_edge(positions, &corners[i]));
+    for (std::size_t k = 0; k < 3; ++k) {
+      sums[corners[i + k]].normal += normal;
+      sums[corners[i + k]].diagonal += diagonal;
+    }
+  }
 }
 
 // The direction of growing u over a face: the gradient of P with respect to u, by least squares over two edges; zero if
@@ -254,21 +277,15 @@ Vec3d unit_face_normal(std::span<const Vec3d> positions, const std::uint32_t* co
 }
 
 RefinedMesh refine(const Mesh& mesh, const RefinePlan& plan, const Quantum& quantum, Key step_key) {
-  const Smoothing smoothing(mesh, plan, quantum);
-  RefinedMesh refined;
-  refined.positions.reserve(plan.computed_vertices);
-  refined.uv.reserve(plan.computed_vertices);
-  for (const Row& r : smoothing.result()) {
-    refined.positions.push_back({r.c[0], r.c[1], r.c[2]});
-    refined.uv.push_back({r.c[3], r.c[4]});
-  }
+  RefinedMesh refined(plan.computed_vertices);
+  Smoothing(mesh, plan, quantum, refined);
   Mesh& out = refined.mesh;
   out.face_starts = plan.face_starts;
   out.corner_vertices = plan.corner_vertices;
   out.corner_sharpness = plan.corner_sharpness;
   out.vertex_sharpness = plan.vertex_sharpness;
-  out.positions.assign(refined.positions.begin(), refined.positions.begin() + plan.kept_vertices);
-  out.uv.assign(refined.uv.begin(), refined.uv.begin() + plan.kept_vertices);
+  out.positions.assign(refined.positions.data(), refined.positions.data() + plan.kept_vertices);
+  out.uv.assign(refined.uv.data(), refined.uv.data() + plan.kept_vertices);
   out.face_keys = refined_face_keys(mesh, plan, step_key);
   out.vertex_keys = refined_vertex_keys(mesh, plan, step_key);
   out.nominal_scale = refined_nominal_scale(mesh, plan);
@@ -282,30 +299,28 @@ RefinedMesh refine(const Mesh& mesh, const RefinePlan& plan, const Quantum& quan
 LocalGeometry local_geometry(const RefinePlan& plan, const RefinedMesh& refined, const Quantum& quantum,
                              bool with_tangents) {
   // Sums run over all computed vertices (those beyond the kept ones come out incomplete and are dropped).
-  std::vector<Vec3d> normals(plan.computed_vertices), tangents(with_tangents ? plan.computed_vertices : 0);
-  std::vector<double> diagonals(plan.computed_vertices, 0.0);
-  std::vector<std::uint32_t> count(plan.computed_vertices, 0);
+  Scratch<FaceSum> sums(plan.computed_vertices, FaceSum{});
+  const std::span<const Vec3d> positions = refined.positions.span();
   const std::uint32_t n = plan.corners_per_face;
+  if (n == 4)
+    add_quads(positions, plan.normal_faces, quantum, sums.span());
+  else
+    add_triangles(positions, plan.normal_faces, quantum, sums.span());
+
+  LocalGeometry local(plan.kept_vertices, with_tangents);
+  unit_normals(sums.span().first(plan.kept_vertices), local.normals.data());
+  for (std::uint32_t v = 0; v < plan.kept_vertices; ++v)
+    local.scales[v] = sums[v].diagonal / std::max<std::uint16_t>(1, plan.normal_face_counts[v]);
+  if (!with_tangents) return local;
+
+  Scratch<Vec3d> tangents(plan.computed_vertices, Vec3d{});
   for (std::size_t i = 0; i < plan.normal_faces.size(); i += n) {
     const std::uint32_t* corners = &plan.normal_faces[i];
-    const Vec3d normal = unit_face_normal(refined.positions, corners, n);
-    const double diagonal = quantum.round(mean_diagonal(refined.positions, corners, n));
-    const Vec3d tangent = with_tangents ? face_tangent(refined, corners, n) : Vec3d{};
-    for (std::uint32_t k = 0; k < n; ++k) {
-      normals[corners[k]] += normal;
-      diagonals[corners[k]] += diagonal;
-      ++count[corners[k]];
-      if (with_tangents) tangents[corners[k]] += tangent;
-    }
+    const Vec3d tangent = face_tangent(refined, corners, n);
+    for (std::uint32_t k = 0; k < n; ++k) tangents[corners[k]] += tangent;
   }
-  LocalGeometry local;
-  local.normals.reserve(plan.kept_vertices);
-  local.scales.reserve(plan.kept_vertices);
-  for (std::uint32_t v = 0; v < plan.kept_vertices; ++v) {
-    local.normals.push_back(normalize(normals[v]));
-    local.scales.push_back(diagonals[v] / std::max(1u, count[v]));
-    if (with_tangents) local.tangents.push_back(tangent_in_plane(tangents[v], local.normals[v]));
-  }
+  for (std::uint32_t v = 0; v < plan.kept_vertices; ++v)
+    local.tangents[v] = tangent_in_plane(tangents[v], local.normals[v]);
   return local;
 }
 

@@ -6,6 +6,7 @@
 // Linear in the plan. Pure; any thread.
 #pragma once
 
+#include "geometry/base/scratch.h"
 #include "geometry/mesh/quantum.h"
 #include "geometry/mesh/refine_plan.h"
 
@@ -15,9 +16,10 @@ namespace meristem {
 
 // The refined mesh, with the vertices beyond the kept ones that the normals at its rim need.
 struct RefinedMesh {
-  Mesh mesh;                     // kept faces and vertices
-  std::vector<Vec3d> positions;  // of all computed vertices; the first are those of `mesh`
-  std::vector<Vec2d> uv;
+  explicit RefinedMesh(std::uint32_t computed_vertices) : positions(computed_vertices), uv(computed_vertices) {}
+  Mesh mesh;                 // kept faces and vertices
+  Scratch<Vec3d> positions;  // of all computed vertices; the first are those of `mesh`
+  Scratch<Vec2d> uv;
 };
 
 // step_key is hashed into the keys of everything new.
@@ -25,12 +27,13 @@ RefinedMesh refine(const Mesh& mesh, const RefinePlan& plan, const Quantum& quan
 
 // For every kept vertex of the plan, from the computed positions.
 struct LocalGeometry {
-  std::vector<Vec3d> normals;  // local normal: the mean of the unit normals of the faces that meet there, normalised;
-                               // zero if they cancel
-  std::vector<double>
-      scales;  // local scale: the mean over these faces of their mean diagonal (for triangles: mean edge)
-  std::vector<Vec3d> tangents;  // unit, at right angles to the normal, along growing u (any fixed direction where u is
-                                // constant); only if asked for
+  LocalGeometry(std::uint32_t vertices, bool with_tangents)
+      : normals(vertices), scales(vertices), tangents(with_tangents ? vertices : 0) {}
+  Scratch<Vec3d> normals;   // local normal: the mean of the unit normals of the faces that meet there, normalised; zero
+                            // if they cancel
+  Scratch<double> scales;   // local scale: the mean over these faces of their mean diagonal (for triangles: mean edge)
+  Scratch<Vec3d> tangents;  // unit, at right angles to the normal, along growing u (any fixed direction where u is
+                            // constant); only if asked for
 };
 LocalGeometry local_geometry(const RefinePlan& plan, const RefinedMesh& refined, const Quantum& quantum,
                              bool with_tangents);

@@ -171,6 +171,8 @@ class PlanBuilder {
       if (!touches_kept) continue;
       for (std::uint32_t k = 0; k < corner_count(); ++k) plan_.normal_faces.push_back(computed(child.corners[k]));
     }
+    plan_.normal_face_counts.assign(plan_.computed_vertices, 0);
+    for (std::uint32_t v : plan_.normal_faces) ++plan_.normal_face_counts[v];
   }
 
   void write_vertices() {
@@ -252,8 +254,9 @@ std::size_t RefinePlan::bytes() const {
   return sizeof(*this) + capacity_bytes(face_starts) + capacity_bytes(corner_vertices) +
          capacity_bytes(corner_sharpness) + capacity_bytes(vertex_sharpness) + capacity_bytes(face_parents) +
          capacity_bytes(face_child_index) + capacity_bytes(rings) + capacity_bytes(kinds) +
-         capacity_bytes(normal_faces) + capacity_bytes(face_vertices) + capacity_bytes(edge_vertices) +
-         capacity_bytes(vertex_vertices) + capacity_bytes(neighbors) + capacity_bytes(vertex_faces);
+         capacity_bytes(normal_faces) + capacity_bytes(normal_face_counts) + capacity_bytes(face_vertices) +
+         capacity_bytes(edge_vertices) + capacity_bytes(vertex_vertices) + capacity_bytes(neighbors) +
+         capacity_bytes(vertex_faces);
 }
 
 std::shared_ptr<const RefinePlan> make_refine_plan(const Mesh& mesh, std::uint32_t owned_faces, int rings_after,

@@ -47,6 +47,7 @@ struct RefinePlan {
   // All computed vertices: the kept ones first, then those that only the normals of kept ones need.
   std::uint32_t computed_vertices = 0;
   std::vector<std::uint32_t> normal_faces;  // their faces, as runs of corners_per_face computed vertices
+  std::vector<std::uint16_t> normal_face_counts;  // that meet in each computed vertex
   std::uint32_t corners_per_face = 4;
 
   struct FaceVertex {

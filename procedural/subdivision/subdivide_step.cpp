@@ -27,37 +27,35 @@ enum Slot {
 // Structure-of-arrays inputs of the placement of some vertices.
 class PlacementInputs {
  public:
-  explicit PlacementInputs(std::size_t count) : count_(count) {}
+  explicit PlacementInputs(std::size_t count) : count_(count), columns_(most_columns * count) {}
 
   template <class Get>
   void vector(Slot slot, Get get) {
-    Columns& c = columns_[slot];
-    c.resize(3 * count_);
+    float *x = column(), *y = column(), *z = column();
     for (std::size_t i = 0; i < count_; ++i) {
       const Vec3d v = get(i);
-      c[i] = float(v.x);
-      c[count_ + i] = float(v.y);
-      c[2 * count_ + i] = float(v.z);
+      x[i] = float(v.x);
+      y[i] = float(v.y);
+      z[i] = float(v.z);
     }
-    inputs_[slot] = {c.data(), c.data() + count_, c.data() + 2 * count_, 1};
+    inputs_[slot] = {x, y, z, 1};
   }
   template <class Get>
   void scalar(Slot slot, Get get) {
-    Columns& c = columns_[slot];
-    c.resize(count_);
-    for (std::size_t i = 0; i < count_; ++i) c[i] = float(get(i));
-    inputs_[slot] = {c.data(), nullptr, nullptr, 1};
+    float* x = column();
+    for (std::size_t i = 0; i < count_; ++i) x[i] = float(get(i));
+    inputs_[slot] = {x, nullptr, nullptr, 1};
   }
-  void uniform(Slot slot, float value) {
-    columns_[slot] = {value};
-    inputs_[slot] = {columns_[slot].data(), nullptr, nullptr, 0};
-  }
+  void uniform(Slot slot, const float& value) { inputs_[slot] = {&value, nullptr, nullptr, 0}; }
   std::span<const Input> inputs() const { return inputs_; }
 
  private:
-  using Columns = std::vector<float>;
-  std::size_t count_;
-  std::array<Columns, slot_count> columns_;
+  static constexpr std::size_t most_columns = 4 * 3 + 4 + max_growth_parameters;  // P N T B; scale u v kind; p0 ...
+  float* column() { return columns_.data() + count_ * used_columns_++; }
+
+  const std::size_t count_;
+  std::size_t used_columns_ = 0;
+  Scratch<float> columns_;
   std::array<Input, slot_count> inputs_;
 };
 
@@ -143,7 +141,8 @@ void SubdivideStep::place_vertices(const Mesh& before, const RefinePlan& plan, c
   if (place.uses(slot_u)) inputs.scalar(slot_u, [&](std::size_t i) { return mesh.uv[i].x; });
   if (place.uses(slot_v)) inputs.scalar(slot_v, [&](std::size_t i) { return mesh.uv[i].y; });
   if (place.uses(slot_kind)) inputs.scalar(slot_kind, [&](std::size_t i) { return double(int(plan.kinds[i])); });
-  inputs.uniform(slot_level, float(settings_.level));
+  const float level = float(settings_.level);
+  inputs.uniform(slot_level, level);
   for (int i = 0; i < max_growth_parameters; ++i) {
     const Slot slot = Slot(slot_parameter + i);
     if (!place.uses(slot)) continue;
@@ -151,7 +150,7 @@ void SubdivideStep::place_vertices(const Mesh& before, const RefinePlan& plan, c
     inputs.scalar(slot, [&](std::size_t v) { return double(least[v]); });
   }
 
-  std::vector<float> x(count), y(count), z(count);
+  Scratch<float> x(count), y(count), z(count);
   place.evaluate({int(count), inputs.inputs(), mesh.vertex_keys.data(), settings_.step_key}, x.data(), y.data(),
                  z.data());
   for (std::size_t i = 0; i < count; ++i) {
