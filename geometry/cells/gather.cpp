@@ -3,6 +3,7 @@
 #include "geometry/base/check.h"
 #include "geometry/cells/extract.h"
 #include "geometry/cells/level_of_detail.h"
+#include "geometry/cells/numbering.h"
 #include "geometry/cells/probe.h"
 #include "geometry/cells/region_extent.h"
 
@@ -178,27 +179,24 @@ class ChildMaker {
 
 CellMesh gather_cell(const Mesh& mesh, const Adjacency& adjacency, std::span<const std::uint32_t> owned, int rings) {
   const VertexWalk walk(mesh, adjacency);
-  std::vector<std::uint32_t> faces(owned.begin(), owned.end());
-  std::unordered_map<std::uint32_t, std::uint8_t> ring_of;
-  for (std::uint32_t f : owned) ring_of.emplace(f, std::uint8_t(0));
+  Numbering faces;
+  for (std::uint32_t f : owned) faces.add(f);
   CellMesh cell;
   cell.owned_faces = std::uint32_t(owned.size());
   cell.rings.assign(owned.size(), 0);
   std::size_t begin = 0;
   for (int ring = 1; ring <= rings; ++ring) {
-    const std::size_t end = faces.size();
+    const std::size_t end = faces.indices().size();
     for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t f = faces[i];
+      const std::uint32_t f = faces.indices()[i];
       for (std::uint32_t k = 0; k < mesh.corner_count(f); ++k)
         walk.around(f, k, [&](std::uint32_t g) {
-          if (!ring_of.emplace(g, std::uint8_t(ring)).second) return;
-          faces.push_back(g);
-          cell.rings.push_back(std::uint8_t(ring));
+          if (faces.add(g).is_new) cell.rings.push_back(std::uint8_t(ring));
         });
     }
     begin = end;
   }
-  cell.mesh = extract_faces(mesh, faces);
+  cell.mesh = extract_faces(mesh, faces.indices());
   return cell;
 }
 
