@@ -23,6 +23,7 @@ function(meristem_find_library target library header)
 endfunction()
 meristem_find_library(OpenSubdiv::osdCPU osdCPU opensubdiv/version.h)
 meristem_find_library(embree embree3 embree3/rtcore.h)
+meristem_find_library(openvdb openvdb openvdb/version.h)
 
 # The checks' interpreter: the system's, which has Debian's python3-jsonschema, before any other in the PATH.
 find_program(MERISTEM_PYTHON python3 HINTS /usr/bin REQUIRED)

@@ -341,6 +341,11 @@ NodeId ccurve(CallContext& call, Arguments a) {
   return b.g.make_vector(parts[0], parts[1], parts[2]);
 }
 
+template <Op op>
+NodeId grid_at(CallContext& call, Arguments a) {
+  return call.graph().grid(op, a[1], call.grid(0, 2));
+}
+
 constexpr Builtin builtins[] = {
     {{"abs", "numbers", "abs(x)", "x without its sign"}, "c", direct<Op::Abs>},
     {{"sign", "numbers", "sign(x)", "-1, 0 or 1"}, "c", direct<Op::Sign>},
@@ -484,6 +489,15 @@ constexpr Builtin builtins[] = {
       "Catmull-Rom from y2 at x = 0 to the last but one at x = 1"},
      "ssss*s",
      direct<Op::Spline>},
+
+    {{"vdb", "grids", "vdb('name', v, 'grid')",
+      "the value at v of an OpenVDB file beside the scene ('rock.vdb'), or of one of the scene's grids by its name"},
+     "tv;t",
+     grid_at<Op::GridValue>},
+    {{"vdb_gradient", "grids", "vdb_gradient('name', v, 'grid')",
+      "how that value rises along x, y and z; of a level set the direction away from the surface"},
+     "tv;t",
+     grid_at<Op::GridGradient>},
 };
 
 }  // namespace

@@ -15,13 +15,15 @@ class CallContext {
   virtual ~CallContext() = default;
   virtual Graph& graph() = 0;
   virtual int next_occurrence() = 0;
+  // The grid that the texts at these arguments name; the second may be absent.
+  virtual std::shared_ptr<const Grid> grid(std::size_t name, std::size_t grid_name) = 0;
   [[noreturn]] virtual void fail(std::size_t argument, const std::string& message) = 0;
 };
 
 struct Builtin {
   FunctionInfo info;
   // One letter an argument: s scalar, v vector, c scalar or vector (componentwise), k constant scalar, m constant
-  // vector. Those behind a ';' may be left out; those behind a '*' are repeated, at least once as a group.
+  // vector, t text. Those behind a ';' may be left out; those behind a '*' are repeated, at least once as a group.
   std::string_view arguments;
   NodeId (*build)(CallContext& call, std::span<const NodeId> arguments);
 };

@@ -58,7 +58,8 @@ ValueType result_type(Op op, bool any_vector) {
     case Op::VectorTurbulence:
     case Op::CellColor:
     case Op::VoronoiPosition:
-    case Op::VoronoiColor: return ValueType::Vector;
+    case Op::VoronoiColor:
+    case Op::GridGradient: return ValueType::Vector;
     default: return is_componentwise(op) && any_vector ? ValueType::Vector : ValueType::Scalar;
   }
 }
@@ -172,13 +173,21 @@ NodeId Graph::make(Op op, std::span<const NodeId> given, int parameter) {
   n.op = op;
   n.parameter = parameter;
   n.type = result_type(op, std::ranges::any_of(arguments, [&](NodeId a) { return is_vector(a); }));
-  const bool constant = op != Op::Rand && std::ranges::all_of(arguments, [&](NodeId a) { return is_constant(a); });
+  const bool pure_kernel = op != Op::Rand && op != Op::GridValue && op != Op::GridGradient;
+  const bool constant = pure_kernel && std::ranges::all_of(arguments, [&](NodeId a) { return is_constant(a); });
   return constant ? fold(n, arguments) : add(n, arguments);
 }
 
 NodeId Graph::curve(NodeId x, CurveTable table) {
   curves_.push_back(std::move(table));
   return make(Op::Curve, {x}, int(curves_.size()) - 1);
+}
+
+NodeId Graph::grid(Op op, NodeId place, std::shared_ptr<const Grid> grid) {
+  const auto known = std::ranges::find(grids_, grid);
+  const int index = int(known - grids_.begin());
+  if (known == grids_.end()) grids_.push_back(std::move(grid));
+  return make(op, {place}, index);
 }
 
 NodeId Graph::fold(const Node& n, std::span<const NodeId> arguments) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "geometry/fields/expression.h"
+#include "geometry/fields/grid.h"
 #include "geometry/fields/kernels.h"
 
 #include <cstdint>
@@ -23,7 +24,7 @@ struct Node {
   bool constant = false;  // depends on no input and no random number
   std::int32_t first_argument = 0, argument_count = 0;
   std::int32_t parameter = 0;  // slot of an Input; index of a Component; octaves; type of voronoi; occurrence of a
-                               // Rand; index of a Curve's table
+                               // Rand; index of a Curve's table or a grid
   float value = 0;             // of a Constant
 };
 
@@ -49,6 +50,8 @@ class Graph {
     return make(op, std::span<const NodeId>(arguments.begin(), arguments.size()), parameter);
   }
   NodeId curve(NodeId x, CurveTable table);
+  // Op::GridValue or Op::GridGradient at a vector.
+  NodeId grid(Op op, NodeId place, std::shared_ptr<const Grid> grid);
 
   const Node& node(NodeId id) const { return nodes_[std::size_t(id)]; }
   std::size_t size() const { return nodes_.size(); }
@@ -61,6 +64,7 @@ class Graph {
   // The value of a constant node (scalars in x).
   Vec3f constant_value(NodeId id) const;
   const CurveTable& curve_table(int index) const { return curves_[std::size_t(index)]; }
+  const Grid& grid(int index) const { return *grids_[std::size_t(index)]; }
 
  private:
   NodeId add(Node node, std::span<const NodeId> arguments);
@@ -71,6 +75,7 @@ class Graph {
   std::vector<Node> nodes_;
   std::vector<NodeId> arguments_;
   std::vector<CurveTable> curves_;
+  std::vector<std::shared_ptr<const Grid>> grids_;
   std::unordered_multimap<Key, NodeId> known_;
 };
 

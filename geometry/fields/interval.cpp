@@ -447,8 +447,18 @@ class Evaluation {
       case Op::VoronoiColor: return vector_value({{Range{0, 1}, Range{0, 1}, Range{0, 1}}});
       case Op::Voronoi: return scalar_value(voronoi(n.parameter));
       case Op::VoronoiPosition: return voronoi_position(a[0]);
+      case Op::GridValue: return scalar_value(range_of(g_.grid(n.parameter).value_bounds(box_of(a[0]))));
+      case Op::GridGradient: return grid_gradient(n, a[0]);
       default: return scalar_value({0, 1});  // CellNoise, Rand, Hash
     }
+  }
+  Bounds3d box_of(NodeId a) const {
+    const Range x = component(a, 0), y = component(a, 1), z = component(a, 2);
+    return {{x.lower, y.lower, z.lower}, {x.upper, y.upper, z.upper}};
+  }
+  IntervalValue grid_gradient(const Node& n, NodeId a) const {
+    const Range r = range_of(g_.grid(n.parameter).gradient_bounds(box_of(a)));
+    return vector_value({{r, r, r}});
   }
   // The nearest point is no further than the own cell's, the second no further than that of the nearest neighbour.
   static Range voronoi(int type) {

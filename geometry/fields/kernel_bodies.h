@@ -349,6 +349,8 @@ void Curve(const KernelCall& c, int lanes) {
 }
 
 constexpr Kernel Rand = nullptr;
+constexpr Kernel GridValue = nullptr;
+constexpr Kernel GridGradient = nullptr;
 
 }  // namespace kernel
 

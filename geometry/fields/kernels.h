@@ -37,7 +37,7 @@ using Kernel = void (*)(const KernelCall& call, int lanes);
 struct KernelTable {
   const char* name;
   int lanes;                                   // kernels work on a multiple of so many
-  std::array<Kernel, kernel_count> functions;  // by Op; null for Rand, which needs keys
+  std::array<Kernel, kernel_count> functions;  // by Op; null for Rand, which needs keys, and for grids
 };
 
 const KernelTable& baseline_kernels();

@@ -56,12 +56,22 @@ Token Lexer::number() {
   return t;
 }
 
+// 'text' or "text", without escapes.
+Token Lexer::quoted() {
+  const std::size_t start = position_, end = text_.find(text_[start], start + 1);
+  if (end == text_.npos)
+    throw ExpressionError(fmt::format("the text has no end; expected {}", text_[start]), start, text_.size() - start);
+  position_ = end + 1;
+  return {Token::Kind::Text, text_.substr(start + 1, end - start - 1), 0, start, position_ - start};
+}
+
 Token Lexer::next() {
   skip_blanks();
   const std::size_t start = position_;
   if (start >= text_.size()) return {Token::Kind::End, {}, 0, text_.size(), 0};
   const char c = text_[start], after = start + 1 < text_.size() ? text_[start + 1] : '\0';
   if (is_digit(c) || (c == '.' && is_digit(after))) return number();
+  if (c == '\'' || c == '"') return quoted();
   const std::size_t name = c == '$' ? start + 1 : start;
   if (name < text_.size() && begins_name(text_[name])) {
     position_ = end_of_name(name);

@@ -7,9 +7,10 @@
 namespace meristem {
 
 struct Token {
-  enum class Kind { End, Number, Name, Symbol };
+  enum class Kind { End, Number, Name, Symbol, Text };
   Kind kind = Kind::End;
-  std::string_view text;  // of a Name without its $; of a Symbol one or two characters
+  std::string_view text;  // of a Name without its $; of a Symbol one or two characters; of a Text what stands
+                          // between its quotes
   float number = 0;
   std::size_t offset = 0, length = 0;
 
@@ -20,7 +21,8 @@ struct Token {
 class Lexer {
  public:
   explicit Lexer(std::string_view text) : text_(text) {}
-  // The next token. Throws ExpressionError at a character that begins none, and at a number beyond the float range.
+  // The next token. Throws ExpressionError at a character that begins none, at a number beyond the float range and at a
+  // text without an end.
   Token next();
   std::size_t position() const { return position_; }
   void seek(std::size_t position) { position_ = position; }
@@ -29,6 +31,7 @@ class Lexer {
   void skip_blanks();
   std::size_t end_of_name(std::size_t from) const;
   Token number();
+  Token quoted();
 
   std::string_view text_;
   std::size_t position_ = 0;

@@ -18,7 +18,7 @@ namespace meristem {
 #define MERISTEM_OTHER_OPS(X) \
   X(Dot) X(Length) X(Cross) X(Norm) X(Rotate) X(Noise) X(VectorNoise) X(Fbm) X(VectorFbm) X(Turbulence) \
   X(VectorTurbulence) X(CellNoise) X(CellColor) X(Voronoi) X(VoronoiPosition) X(VoronoiColor) X(Rand) X(Hash) \
-  X(Spline) X(Curve)
+  X(Spline) X(Curve) X(GridValue) X(GridGradient)
 #define MERISTEM_OPS(X) MERISTEM_UNARY_OPS(X) MERISTEM_BINARY_OPS(X) MERISTEM_TERNARY_OPS(X) MERISTEM_OTHER_OPS(X)
 // clang-format on
 

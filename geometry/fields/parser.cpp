@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 
 namespace meristem {
@@ -17,10 +18,11 @@ namespace {
 
 const char* type_name(bool is_vector) { return is_vector ? "a vector" : "a scalar"; }
 
-// A value and the bytes it was written in.
+// A value, or a text (then the node is meaningless), and the bytes it was written in.
 struct Operand {
   NodeId node = 0;
   std::size_t begin = 0, end = 0;
+  std::optional<std::string_view> text = std::nullopt;
 };
 
 struct BinaryOperator {
@@ -92,6 +94,17 @@ class Parser final : public CallContext {
 
   Graph& graph() override { return graph_; }
   int next_occurrence() override { return occurrences_++; }
+  std::shared_ptr<const Grid> grid(std::size_t name, std::size_t grid_name) override {
+    const auto& list = *call_arguments_;
+    GridSource* const grids = GridScope::current();
+    if (!grids) fail(name, "grids cannot be named here");
+    try {
+      return grids->open(std::string(*list[name].text),
+                         grid_name < list.size() ? std::string(*list[grid_name].text) : std::string());
+    } catch (const std::runtime_error& error) {
+      fail(name, error.what());
+    }
+  }
   [[noreturn]] void fail(std::size_t argument, const std::string& message) override {
     const auto& list = *call_arguments_;
     fail_at(list[std::min(argument, list.size() - 1)], message);
@@ -384,6 +397,7 @@ class Parser final : public CallContext {
       return since(begin, node);
     }
     if (token_.is("[")) return vector_literal();
+    if (token_.kind == Token::Kind::Text) fail_here("a text can only be an argument of a function such as vdb");
     fail_at_token("expected a value");
   }
   void close(std::string_view symbol, std::size_t opened, const char* what) {
@@ -415,14 +429,19 @@ class Parser final : public CallContext {
     call_arguments_ = &arguments;
     return since(first ? first->begin : name.offset, function->build(*this, nodes));
   }
+  Operand argument() {
+    if (token_.kind != Token::Kind::Text) return expression();
+    const Token text = take();
+    return {graph_.constant(0), text.offset, text.offset + text.length, text.text};
+  }
   void parse_arguments(const Token& name, std::vector<Operand>& arguments) {
     const std::size_t opened = token_.offset;
     expect("(", "after the name of a function");
     if (!token_.is(")")) {
-      arguments.push_back(expression());
+      arguments.push_back(argument());
       while (token_.is(",")) {
         advance();
-        arguments.push_back(expression());
+        arguments.push_back(argument());
       }
     }
     close(")", opened, fmt::format("'(' of {}", name.text).c_str());
@@ -436,6 +455,10 @@ class Parser final : public CallContext {
     for (std::size_t i = 0; i < arguments.size(); ++i) check_type(function, arguments[i], i, arity.kind(int(i)));
   }
   void check_type(const Builtin& function, const Operand& argument, std::size_t index, char kind) {
+    if ((kind == 't') != argument.text.has_value())
+      fail_at(argument,
+              fmt::format("argument {} must be {}: {}", index + 1,
+                          kind == 't' ? "a text such as 'rock.vdb'" : "a value, not a text", function.info.signature));
     const bool vector = graph_.is_vector(argument.node);
     if ((kind == 's' || kind == 'k') && vector)
       fail_at(argument,

@@ -41,6 +41,20 @@ void run_rand(const KernelCall& call, const Key* keys, Key salt, int count, int 
   }
 }
 
+void run_grid(Op op, const Grid& grid, const KernelCall& call, int lanes) {
+  auto at = [&](int component, int i) { return call.operands[component].data[i & call.operands[component].step_mask]; };
+  const bool uniform = std::all_of(call.operands, call.operands + 3, [](const Operand& o) { return o.step_mask == 0; });
+  const int components = op == Op::GridValue ? 1 : 3;
+  for (int i = 0; i < (uniform ? 1 : lanes); ++i) {
+    const Vec3f place{at(0, i), at(1, i), at(2, i)};
+    const Vec3f result = op == Op::GridValue ? Vec3f(grid.value(place)) : grid.gradient(place);
+    for (int c = 0; c < components; ++c) call.out[std::size_t(c)][i] = result[c];
+  }
+  if (uniform)
+    for (int c = 0; c < components; ++c)
+      std::fill_n(call.out[std::size_t(c)] + 1, lanes - 1, call.out[std::size_t(c)][0]);
+}
+
 }  // namespace
 
 // Floats that begin on a cache line, so that no vector of a run lies across two. Growing forgets what they were.
@@ -67,6 +81,7 @@ struct Program::Scratch {
   struct Call {
     KernelCall kernel_call;
     Op op;
+    const Grid* grid;
   };
   AlignedFloats registers;
   AlignedFloats uniforms;  // lane_group equal floats: constants, then inputs, then values
@@ -151,6 +166,7 @@ void Program::emit_call(const Graph& graph, const Node& n, std::span<const Sourc
     curves_.push_back(graph.curve_table(n.parameter));
     i.parameter = std::int32_t(curves_.back().pieces.size());
   }
+  if (n.op == Op::GridValue || n.op == Op::GridGradient) i.grid = &graph.grid(n.parameter);
   i.first_operand = std::int32_t(operands_.size());
   i.operand_count = std::int32_t(operands.size());
   for (const Source& source : operands) {
@@ -254,7 +270,7 @@ struct Program::Bindings {
       uniform = uniform && is_uniform(source);
       s.operands[std::size_t(in.first_operand + k)] = operand(source);
     }
-    Scratch::Call call{{{}, s.operands.data() + in.first_operand, in.operand_count, in.parameter}, in.op};
+    Scratch::Call call{{{}, s.operands.data() + in.first_operand, in.operand_count, in.parameter}, in.op, in.grid};
     if (in.curve >= 0) call.kernel_call.pieces = p.curves_[std::size_t(in.curve)].pieces.data();
     for (int k = 0; k < in.value_count; ++k) {
       const std::size_t value = std::size_t(in.first_value + k);
@@ -285,6 +301,8 @@ void Program::run(const KernelTable& kernels, const Block& block, float* x, floa
       scratch.calls.push_back(call);
     else if (in.op == Op::Rand)
       run_rand(call.kernel_call, nullptr, block.salt, 1, lane_group);
+    else if (in.grid)
+      run_grid(in.op, *in.grid, call.kernel_call, lane_group);
     else
       kernels.functions[std::size_t(in.op)](call.kernel_call, lane_group);
   }
@@ -329,6 +347,8 @@ void Program::run_calls(const KernelTable& kernels, const Block& block, const Sc
   for (const Scratch::Call& call : scratch.calls) {
     if (call.op == Op::Rand)
       run_rand(call.kernel_call, block.keys ? block.keys + start : nullptr, block.salt, count, lanes);
+    else if (call.grid)
+      run_grid(call.op, *call.grid, call.kernel_call, lanes);
     else
       kernels.functions[std::size_t(call.op)](call.kernel_call, lanes);
   }

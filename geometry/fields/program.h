@@ -1,6 +1,7 @@
 // Program: a graph as a list of kernel calls over registers, run over blocks of points in runs of `run_lanes`.
 // Only what the result needs is in it, component by component. What depends on uniform inputs alone is done once a
-// block. Immutable; any thread may run it. Registers are per thread and grow to the largest program run.
+// block. Immutable; any thread may run it. The graph must outlive it if it has grids. Registers are per thread and grow
+// to the largest program run.
 #pragma once
 
 #include "geometry/fields/graph.h"
@@ -39,6 +40,7 @@ class Program {
     Op op = Op::Constant;
     std::int32_t parameter = 0;
     std::int32_t curve = -1;
+    const Grid* grid = nullptr;  // owned by the graph
     std::int32_t first_operand = 0, operand_count = 0;
     std::int32_t first_value = 0, value_count = 0;
   };

@@ -1,9 +1,8 @@
 // ImageCodec: what needs OpenImageIO, behind a module that is opened at first use.
 //
 // OpenImageIO brings some 250 shared libraries, and the dynamic linker takes half a second for them. So
-// renderer/image/codec is not part of the program but of meristem_image.so, which stands beside the program (for
-// programs of the build folder's tests, one folder above) and is opened when the first image is read or written.
-// Program and module are built together; between them pass this interface and exceptions.
+// renderer/image/codec is not part of the program but of meristem_image.so (geometry/base/module.h), which is opened
+// when the first image is read or written.
 #pragma once
 
 #include "renderer/image/exr_parts.h"

@@ -11,7 +11,8 @@ namespace meristem {
 
 // Kinds whose components are named by a member "type": camera, light, material, integrator, sampler, filter, base.
 // Kinds of other shapes:
-//   step, model recognised by a member of the component's own name: { "subdivide": 2 }, { "scatter": [...] }
+//   step, model, grid
+//               recognised by a member of the component's own name: { "subdivide": 2 }, { "scatter": [...] }
 //   template    named by a member "template", beside the members of the production it stands in
 //   production  one component; its objects hold a template's members as well
 //   section     an object of the scene file without a type: object, render

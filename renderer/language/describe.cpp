@@ -27,6 +27,8 @@ constexpr KindPage kind_pages[] = {
     {"step", "Steps", "The list \"steps\" of a model. A step is recognised by the member of its name."},
     {"production", "Productions", "The lists in \"rules\" of a grow step: what a face with a symbol is replaced by."},
     {"template", "Templates", "The member \"template\" of a production; its parameters stand beside it."},
+    {"grid", "Grids",
+     "The section \"grids\": fields of samples by name. A grid is recognised by the member of its name."},
     {"material", "Materials", "The section \"materials\": materials by name."},
     {"light", "Lights", "The list \"lights\"."},
     {"camera", "Cameras", "The member \"camera\", or \"cameras\" by name."},

@@ -155,8 +155,8 @@ class SchemaMaker {
   Value scene() {
     add_expressions();
     for (const std::string& kind : catalogue_.kinds()) add_kind(kind);
-    for (const char* needed :
-         {"material", "light", "camera", "base", "step", "template", "production", "model", "object", "render"})
+    for (const char* needed : {"material", "light", "camera", "base", "step", "template", "production", "model", "grid",
+                               "object", "render"})
       if (!definitions_.find(needed)) define(needed, type("object"));
     Value schema = object(
         {{"$schema", text("http://json-schema.org/draft-07/schema#")},
@@ -185,7 +185,7 @@ class SchemaMaker {
   void add_kind(const std::string& kind) {
     if (kind == "section")
       add_sections();
-    else if (kind == "step" || kind == "model")
+    else if (kind == "step" || kind == "model" || kind == "grid")
       add_by_member(kind);
     else if (kind == "production")
       add_production();
@@ -294,6 +294,7 @@ class SchemaMaker {
         {"models",
          described("models by name: a base mesh and the steps that refine and grow it, or other models placed",
                    map_of("model"))},
+        {"grids", described("fields of samples by name, for vdb() in expressions", map_of("grid"))},
         {"objects", described("where models stand", list_of("object"))},
         {"lights", described("what lights the scene", list_of("light"))},
         {"camera", described("where the scene is seen from", reference_to_describe("camera"))},

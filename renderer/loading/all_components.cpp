@@ -7,6 +7,7 @@
 #include "renderer/loading/load_model.h"
 #include "renderer/loading/load_part.h"
 #include "renderer/loading/load_settings.h"
+#include "renderer/loading/scene_grids.h"
 
 namespace meristem {
 
@@ -31,6 +32,9 @@ Catalogue make_catalogue() {
   add({info_of("model", "base", "a base mesh and the steps that refine it and let it grow", read_model),
        info_of("model", "scatter", "models strewn over the ground that another model makes", read_scatter),
        info_of("model", "group", "models placed one by one, as one model", read_group),
+       info_of("grid", "file", "a field of samples from a file", read_file_grid),
+       info_of("grid", "model", "a field of samples: the distance from a model", read_model_grid),
+       info_of("grid", "value", "a field of samples of an expression", read_value_grid),
        info_of("section", "object", "a model placed in the world", read_object),
        info_of("section", "render", "size, quality and memory of the image", read_render)});
   add(all.bases.infos());

@@ -48,6 +48,11 @@ class PartLibrary {
 
   // The placements of a list of objects. Errors go to the diagnostics; what is wrong is left out.
   std::vector<Placement> place(const Value& objects);
+  // The model that the member `name` of `params` names, for whoever needs its shape; null, with an error, if there is
+  // none or it cannot be built.
+  std::shared_ptr<const Part> named_part(const std::string& model, Params& params, const char* name) {
+    return part({model}, params, name);
+  }
   // Models that nothing names are checked all the same.
   void check_unused();
 

@@ -9,6 +9,7 @@
 #include "renderer/loading/load_part.h"
 #include "renderer/loading/load_settings.h"
 #include "renderer/loading/scene_files.h"
+#include "renderer/loading/scene_grids.h"
 
 #include <fmt/format.h>
 
@@ -55,6 +56,7 @@ class SceneBuilder {
     params.raw("format", false, "", "");
     const Value* materials = section(params, "materials", Value::Kind::Object);
     const Value* models = section(params, "models", Value::Kind::Object);
+    const Value* grid_section = section(params, "grids", Value::Kind::Object);
     const Value* objects = section(params, "objects", Value::Kind::Array);
     const Value* lights = section(params, "lights", Value::Kind::Array);
     const Value* camera = section(params, "camera", Value::Kind::Object);
@@ -63,16 +65,21 @@ class SceneBuilder {
     params.finish();
 
     scene_ = std::make_unique<Scene>();
-    add_materials(materials);
-    add_lights(lights);
-    choose_camera(file, camera, cameras);
-    add_render(render);
+    name_materials(materials);
     const ModelContext context{
         [this](const std::string& name, const Location& where) { return material_index(name, where); }, folder(),
         diagnostics_};
     PartLibrary library(models, context);
+    SceneGrids grids(grid_section, std::filesystem::path(path_ == "-" ? "" : path_).parent_path().string(), library,
+                     diagnostics_);
+    const GridScope expressions_may_name(&grids);
+    add_materials(materials);
+    add_lights(lights);
+    choose_camera(file, camera, cameras);
+    add_render(render);
     std::vector<Placement> world = objects ? library.place(*objects) : std::vector<Placement>{};
     library.check_unused();
+    grids.check_unused();
     if (objects) scene_->names.objects = object_names(*objects);
     diagnostics_.throw_if_errors();
 
@@ -89,7 +96,7 @@ class SceneBuilder {
     result.sha256 = sha256(file.location.source ? file.location.source->text : "");
     result.warnings = diagnostics_.list();
     result.texts = std::move(texts);
-    result.files = named_files(file, folder());
+    result.files = all_files(file, grids);
     return result;
   }
 
@@ -119,6 +126,15 @@ class SceneBuilder {
                         : std::filesystem::absolute(path_).parent_path().string();
   }
 
+  // Those that texts of the scene name, and those that expressions in them name.
+  std::vector<std::pair<std::string, std::string>> all_files(const Value& file, const SceneGrids& grids) const {
+    auto files = named_files(file, folder());
+    for (const auto& entry : grids.files())
+      if (std::ranges::find(files, entry.first, [](const auto& f) { return f.first; }) == files.end())
+        files.push_back(entry);
+    return files;
+  }
+
   const Value* section(Params& params, const char* name, Value::Kind kind) {
     const Value* value = params.raw(name, false, "", "");
     if (!value || value->kind == kind) return value;
@@ -141,15 +157,19 @@ class SceneBuilder {
     return registry.create(value ? *value : defaults, fallback, diagnostics_);
   }
 
+  // Before anything is made: a material may ask a grid that is made of a model, which names materials.
+  void name_materials(const Value* materials) {
+    scene_->names.materials.push_back("default");
+    for (const Member& m : materials ? materials->members : std::vector<Member>{}) {
+      material_names_[m.key] = int(scene_->names.materials.size());
+      scene_->names.materials.push_back(m.key);
+    }
+  }
+
   void add_materials(const Value* materials) {
     scene_->materials.push_back(make<Material>(all_components().materials, nullptr, default_material));
-    scene_->names.materials.push_back("default");
-    if (!materials) return;
-    for (const Member& m : materials->members) {
-      material_names_[m.key] = int(scene_->materials.size());
-      scene_->names.materials.push_back(m.key);
+    for (const Member& m : materials ? materials->members : std::vector<Member>{})
       scene_->materials.push_back(make(all_components().materials, &m.value, default_material));
-    }
   }
 
   int material_index(const std::string& name, const Location& where) {

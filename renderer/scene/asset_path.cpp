@@ -15,14 +15,18 @@ bool is_inside(const fs::path& file, const fs::path& folder) {
 
 }  // namespace
 
-std::optional<std::string> asset_path(Params& params, const char* name, const std::string& file) {
-  const auto& source = params.location().source;
-  const fs::path shown = source ? fs::path(source->name).parent_path() : fs::path();
+std::optional<std::string> path_in_folder(const std::string& shown, const std::string& file) {
   const fs::path path(file);
   std::error_code error;
-  const fs::path folder = fs::canonical(shown.empty() ? fs::path(".") : shown, error);
+  const fs::path folder = fs::canonical(shown.empty() ? fs::path(".") : fs::path(shown), error);
   const fs::path target = fs::weakly_canonical(folder / path, error);
-  if (path.is_relative() && !error && is_inside(target, folder)) return (shown / path).string();
+  if (path.is_relative() && !error && is_inside(target, folder)) return (fs::path(shown) / path).string();
+  return std::nullopt;
+}
+
+std::optional<std::string> asset_path(Params& params, const char* name, const std::string& file) {
+  const auto& source = params.location().source;
+  if (auto path = path_in_folder(source ? fs::path(source->name).parent_path().string() : "", file)) return path;
   params.error(name, "a file must lie in the folder of its scene file or below it");
   return std::nullopt;
 }
