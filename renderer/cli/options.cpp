@@ -176,6 +176,7 @@ void add_output_options(CLI::App& app, OutputOptions& o) {
       ->type_name("STOPS");
   grouped(app.add_option("--bits", o.bits, "a channel in PNG and TIFF")->check(CLI::IsMember({8, 16})))
       ->type_name("8|16");
+  grouped(app.add_flag("--denoise", o.denoise, "PNG, JPEG, TIFF; in EXR a part of its own"));
   CLI::Option* half = grouped(app.add_flag_callback(
       "--half", [&o] { o.half = true; }, "the picture in EXR as 16-bit floats: the default"));
   half->group("");  // it says what is so anyway: not listed

@@ -1,6 +1,8 @@
 #include "renderer/cli/outputs.h"
 
 #include "renderer/cli/console.h"
+#include "renderer/cli/exit_code.h"
+#include "renderer/denoise/denoise.h"
 #include "renderer/film/film_parts.h"
 
 #include <fmt/format.h>
@@ -18,6 +20,10 @@ bool is_display_image(const std::string& path) { return !is_film_file(path) && i
 void report_clamped(const std::string& path, std::size_t values) {
   if (values > 0)
     print_error(fmt::format("warning: {}: {} values clamped to the range of a half; --float keeps them", path, values));
+}
+
+ExrPart denoised_part(const Image& image, bool half) {
+  return {"denoised", {"denoised.R", "denoised.G", "denoised.B", "denoised.A"}, image, half, true};
 }
 
 }  // namespace
@@ -45,6 +51,12 @@ Outputs::Outputs(OutputOptions options) : options_(std::move(options)) {
 }
 
 void Outputs::write(const Film& film, const FilmInfo& info, const AdaptiveState& adaptive) const {
+  if (options_.denoise && !denoise::can_denoise(film))
+    throw UsageError("--denoise: the film was rendered without --denoise and lacks what this needs");
+  const bool denoise = options_.denoise && !std::ranges::all_of(options_.files, is_film_file);
+  const Image denoised = denoise ? denoise::denoised(film) : Image{};
+  Metadata metadata = info.metadata;
+  if (denoise) metadata.emplace_back("meristem:denoised", "display images and the part \"denoised\" of EXR files");
   std::vector<ExrPart> parts;
   Image shown;
   for (const std::string& path : options_.files)
@@ -52,15 +64,18 @@ void Outputs::write(const Film& film, const FilmInfo& info, const AdaptiveState&
       write_film_file(path, film, info, adaptive);
     } else if (is_display_image(path)) {
       if (shown.pixels.empty()) {
-        shown = film.develop();
+        shown = denoise ? denoised : film.develop();
         transform_->apply(shown.pixels.data(), shown.width, shown.height, shown.channels);
       }
-      write_image(path, shown, info.metadata, {.bits = options_.bits});
+      write_image(path, shown, metadata, {.bits = options_.bits});
     } else {
-      if (parts.empty()) parts = film_parts(film, info.names, options_.half);
+      if (parts.empty()) {
+        parts = film_parts(film, info.names, options_.half);
+        if (denoise) parts.insert(parts.begin() + 1, denoised_part(denoised, options_.half));
+      }
       const PixelWindow& window = film.window();
       const ExrFrame frame{window.x0, window.y0, info.frame_width, info.frame_height};
-      report_clamped(path, write_exr_parts(path, parts, frame, info.metadata));
+      report_clamped(path, write_exr_parts(path, parts, frame, metadata));
     }
 }
 

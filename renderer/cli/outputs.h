@@ -17,6 +17,7 @@ struct OutputOptions {
   float exposure = 0;              // stops, of display images
   bool half = true;                // the beauty in EXR files; else floats
   int bits = 8;                    // a channel in PNG and TIFF
+  bool denoise = false;            // display images show the picture denoised; EXR files have it as a part
 };
 
 // Whether the name ends in .film, in either case.

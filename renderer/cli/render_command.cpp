@@ -4,6 +4,7 @@
 #include "renderer/cli/console.h"
 #include "renderer/cli/film_identity.h"
 #include "renderer/cli/render_metadata.h"
+#include "renderer/denoise/denoise.h"
 #include "renderer/report/statistics.h"
 #include "renderer/session/interruption.h"
 #include "renderer/session/process_clock.h"
@@ -87,6 +88,8 @@ class ImageRender {
     const double loading_s = process_age_s();
     LoadOptions load_options = options.load;
     load_options.record = options.profile || !options.trace.empty();
+    if (options.outputs.denoise)
+      load_options.aovs.insert(load_options.aovs.end(), denoise::wanted_aovs().begin(), denoise::wanted_aovs().end());
     loaded_ = load(options.scene, load_options);
     load_s_ = process_age_s() - loading_s;
     if (options.sample_range) settings().samples = int(options.sample_range->last - options.sample_range->first);

@@ -49,6 +49,7 @@ Film::Film(PixelWindow window, float mean_weight, std::vector<Aov> aovs)
   };
   pixels_.resize(count);
   if (has(Aov::Variance)) squares_.resize(count);
+  if (has(Aov::SecondHalf)) second_halves_.resize(count);
   if (has(Aov::Albedo) || has(Aov::Normal)) surfaces_.resize(count);
   if (any_of(of_nearest)) nearest_.resize(count, {nothing_there, {0, 0, 0}, 0, 0, -1, -1, 0, ~0u});
   if (any_of(of_costs)) costs_.resize(count);
@@ -79,11 +80,21 @@ void Film::add(int x, int y, const FilmSample& sample) {
   for (int c = 0; c < 3; ++c) p.sum[c].add(sample.weight * double(light[c]));
   p.weight += sample.weight;
   if (sample.covered) p.covered += sample.weight;
+  if (!second_halves_.empty() && (sample.number & 4)) {
+    Half half{{}, sample.weight, 1};
+    for (int c = 0; c < 3; ++c) half.sum[c].add(sample.weight * double(light[c]));
+    second_halves_[i].add(half);
+  }
   if (!squares_.empty()) {
     const double l = exact_luminance(double(light.x), double(light.y), double(light.z));
     squares_[i].add(std::min(l * l, largest_square) * square_scale);
   }
   if (sample.first && sample.first->hit.valid()) add_first_surface(i, sample);
+}
+
+void Film::Half::add(const Half& o) {
+  for (int c = 0; c < 3; ++c) sum[c].add(o.sum[c]);
+  weight += o.weight, samples += o.samples;
 }
 
 void Film::add_first_surface(std::size_t i, const FilmSample& sample) {
@@ -120,6 +131,7 @@ void Film::merge(const Film& other) {
     p.weight += o.weight, p.covered += o.covered, p.samples += o.samples, p.nonfinite += o.nonfinite;
   }
   for (std::size_t i = 0; i < squares_.size(); ++i) squares_[i].add(other.squares_[i]);
+  for (std::size_t i = 0; i < second_halves_.size(); ++i) second_halves_[i].add(other.second_halves_[i]);
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
     for (int c = 0; c < 3; ++c) {
       surfaces_[i].albedo[c] += other.surfaces_[i].albedo[c];
@@ -155,8 +167,10 @@ std::uint64_t Film::pixels_without_samples() const {
 
 // Dividing by the sum of the weights makes a constant image exact. With negative lobes a few samples may nearly cancel;
 // half of the expected sum then bounds the pixel, and stops mattering as samples come in.
-double Film::divisor(const Pixel& p) const {
-  return std::max(double(p.weight), 0.5 * double(mean_weight_) * double(p.samples - p.nonfinite));
+double Film::divisor(const Pixel& p) const { return divisor(p.weight, p.samples - p.nonfinite); }
+
+double Film::divisor(std::int32_t weight, std::uint32_t finite_samples) const {
+  return std::max(double(weight), 0.5 * double(mean_weight_) * double(finite_samples));
 }
 
 Film::Statistics Film::statistics(int x, int y) const {
@@ -171,6 +185,24 @@ Film::Statistics Film::statistics(int x, int y) const {
   const double centred = squares - total * total / n;
   // What rounding leaves of equal samples is no variance
   return {n, mean, centred > squares * 1e-12 ? centred / (n - 1) : 0};
+}
+
+std::array<Spectrum, 2> Film::halves(int x, int y) const {
+  CHECK(!second_halves_.empty(), "the film does not have {}", info_of(Aov::SecondHalf).name);
+  const Pixel& p = pixel(x, y);
+  const Half& second = second_halves_[index(x, y)];
+  const std::uint32_t finite = p.samples - p.nonfinite;
+  if (finite == 0) return {};
+  const double all = divisor(p);
+  std::array<Spectrum, 2> result;
+  for (int c = 0; c < 3; ++c) {
+    const double sum = p.sum[c].value(), of_second = second.sum[c].value();
+    result[0][c] = result[1][c] = float(sum / all);
+    if (second.samples == 0 || second.samples == finite) continue;
+    result[0][c] = float((sum - of_second) / divisor(p.weight - second.weight, finite - second.samples));
+    result[1][c] = float(of_second / divisor(second.weight, second.samples));
+  }
+  return result;
 }
 
 Image Film::develop() const {
@@ -214,6 +246,12 @@ void Film::develop_pixel(Aov aov, std::size_t i, float* out) const {
       const int width = window_.width();
       const Statistics s = statistics(window_.x0 + int(i) % width, window_.y0 + int(i) / width);
       out[0] = s.samples > 0 ? float(s.variance / s.samples) : 0.0f;
+      return;
+    }
+    case Aov::SecondHalf: {
+      const int width = window_.width();
+      const Spectrum half = halves(window_.x0 + int(i) % width, window_.y0 + int(i) / width)[1];
+      for (int c = 0; c < 3; ++c) out[c] = half[c];
       return;
     }
     case Aov::CostTime: out[0] = float(double(costs_[i].nanoseconds) * 1e-9); return;

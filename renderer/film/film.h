@@ -6,7 +6,8 @@
 //
 // Samples that are not finite, or brighter than ExactSum can hold (4e12), are dropped and counted. Different pixels may
 // be added to by different threads; everything else needs the threads to be joined. 64 bytes a pixel; AOVs take more:
-// variance 16, albedo and normal together 48, those of the nearest sample together 40, costs 16, a matte at least 24.
+// variance 16, the second half 64, albedo and normal together 48, those of the nearest sample together 40, costs 16, a
+// matte at least 24.
 #pragma once
 
 #include "renderer/film/exact_sum.h"
@@ -63,6 +64,10 @@ class Film {
   };
   Statistics statistics(int x, int y) const;
 
+  // The means of two independent halves of a pixel's samples, four by four in turn: needs the AOV second_half. A half
+  // without samples is the mean of all.
+  std::array<Spectrum, 2> halves(int x, int y) const;
+
   // The image so far: RGBA, scene-linear Rec.709, alpha is the coverage. A pixel without samples is zero.
   Image develop() const;
   // An AOV of aovs(), not a matte: its channels as aov.h names them. A pixel without samples is zero.
@@ -85,6 +90,12 @@ class Film {
   struct Surfaces {
     std::int64_t albedo[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
   };
+  struct Half {
+    ExactSum sum[3];
+    std::int32_t weight = 0;
+    std::uint32_t samples = 0;  // the finite ones
+    void add(const Half& o);
+  };
   struct Nearest {
     float depth, position[3], u, v;
     std::int32_t object, material, level;
@@ -103,6 +114,7 @@ class Film {
   }
   const Pixel& pixel(int x, int y) const { return pixels_[index(x, y)]; }
   double divisor(const Pixel& p) const;
+  double divisor(std::int32_t weight, std::uint32_t finite_samples) const;
   void add_first_surface(std::size_t i, const FilmSample& sample);
   void add_to_mattes(std::size_t i, const FilmSample& sample);
   void develop_pixel(Aov aov, std::size_t i, float* out) const;
@@ -113,6 +125,7 @@ class Film {
   std::vector<Pixel> pixels_;
   // Empty if not wanted
   std::vector<ExactSum> squares_;  // of luminance
+  std::vector<Half> second_halves_;
   std::vector<Surfaces> surfaces_;
   std::vector<Nearest> nearest_;
   std::vector<Cost> costs_;

@@ -14,7 +14,7 @@ namespace meristem {
 
 namespace {
 
-constexpr std::string_view magic("MERISTEM FILM 1\n");
+constexpr std::string_view magic("MERISTEM FILM 2\n");
 constexpr int largest_side = 65536;
 
 void put_texts(ByteWriter& out, const std::vector<std::string>& texts) {
@@ -117,6 +117,7 @@ class FilmStorage {
     out.put_array(film.aovs_);
     out.put_array(film.pixels_);
     out.put_array(film.squares_);
+    out.put_array(film.second_halves_);
     out.put_array(film.surfaces_);
     out.put_array(film.nearest_);
     out.put_array(film.costs_);
@@ -138,6 +139,7 @@ class FilmStorage {
     Film film(window, mean_weight, aovs);
     replace(film.pixels_, in);
     replace(film.squares_, in);
+    replace(film.second_halves_, in);
     replace(film.surfaces_, in);
     replace(film.nearest_, in);
     replace(film.costs_, in);

@@ -25,7 +25,7 @@ ExrPart data_part(const Film& film, Aov aov) {
   const AovInfo& info = info_of(aov);
   return {info.name,          {info.channels.begin(), info.channels.end()},
           film.develop(aov),  false,
-          aov == Aov::Albedo, {{"meristem:meaning", info.doc}}};
+          aov == Aov::Albedo || aov == Aov::SecondHalf, {{"meristem:meaning", info.doc}}};
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ enum class Aov : std::uint8_t {
   Level,
   Samples,
   Variance,
+  SecondHalf,
   CostTime,
   CostExpand,
   CostReexpand,

@@ -18,7 +18,7 @@ LAYERS = {
         "scene",
         "color image",
         "textures film",
-        "cameras samplers filters lights materials",
+        "cameras samplers filters lights materials denoise",
         "integrators",
         "components.h",
         "language",

@@ -10,8 +10,9 @@ import tempfile
 
 from running import Program, oiiotool, pixels
 
-ALL = ["beauty", "albedo", "normal", "Z", "P", "uv", "id.object", "id.material", "level", "samples", "variance",
-       "cost.time", "cost.expand", "cost.reexpand", "crypto_object", "crypto_material", "crypto_production"]
+ALL = ["beauty", "albedo", "normal", "Z", "P", "uv", "id.object", "id.material", "level", "samples",
+       "variance", "second_half", "cost.time", "cost.expand", "cost.reexpand", "crypto_object", "crypto_material",
+       "crypto_production"]
 
 
 def parts_of(folder, image):
@@ -81,6 +82,22 @@ def check_display(program):
     assert "known: sRGB, Rec.1886, P3-D65" in error, error
 
 
+def check_denoised(program):
+    """The picture of an EXR is as without; display images show its second part. A film can be denoised later."""
+    program.run("render", "ball.jsonc", "-o", "noisy.exr", "-o", "noisy.png", "-o", "noisy.film", "-q")
+    program.run("render", "ball.jsonc", "-o", "quiet.exr", "-o", "quiet.png", "-o", "quiet.film", "--denoise", "-q")
+    parts, text = parts_of(program.folder, "quiet.exr")
+    names = [name for name, _, _ in parts]
+    assert names == ["beauty", "denoised", "albedo", "normal", "variance", "second_half"], parts
+    assert "meristem:denoised" in text and "meristem:denoised" not in parts_of(program.folder, "noisy.exr")[1], text
+    assert pixels(program.folder, "quiet.exr") == pixels(program.folder, "noisy.exr")
+    assert pixels(program.folder, "quiet.png") != pixels(program.folder, "noisy.png")
+    program.run("merge", "quiet.film", "-o", "later.png", "--denoise", "-q")
+    assert pixels(program.folder, "later.png") == pixels(program.folder, "quiet.png")
+    _, error = program.run("merge", "noisy.film", "-o", "later.png", "--denoise", code=2)
+    assert "rendered without --denoise" in error, error
+
+
 def check_scene_aovs(program):
     program.run("render", "ball.jsonc", "-o", "some.exr", "--set", '/render/aovs=["Z", "albedo"]', "--aov", "P", "-q")
     parts, _ = parts_of(program.folder, "some.exr")
@@ -99,6 +116,7 @@ def main():
         check_cryptomatte(program)
         check_crop(program)
         check_display(program)
+        check_denoised(program)
         check_scene_aovs(program)
     print("images are what other programs expect")
 

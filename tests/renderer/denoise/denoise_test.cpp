@@ -1,0 +1,141 @@
+#include "renderer/denoise/denoise.h"
+
+#include "geometry/base/key.h"
+#include "geometry/base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace meristem {
+namespace {
+
+constexpr int width = 96, height = 64;
+
+// What a picture is made of, without noise: a textured floor below a sky, with leaves before both, thin and round ones,
+// and a shadow that no feature knows of.
+struct Surface {
+  Spectrum albedo, normal, light;
+  Spectrum color() const { return albedo * light; }
+};
+
+Surface surface_at(float x, float y) {
+  for (int i = 0; i < 25; ++i) {
+    const auto random = [&](int what) { return uniform_float(hash_keys(7, Key(i), Key(what))); };
+    const float dx = x - 45 - 50 * random(0), dy = y - 60 * random(1), turn = 6 * random(2);
+    const float along = dx * std::cos(turn) + dy * std::sin(turn), across = dy * std::cos(turn) - dx * std::sin(turn);
+    if (along * along / 64 + across * across / 6 > 1) continue;
+    const Spectrum normal{std::sin(turn) * 0.6f, 0.8f, std::cos(turn) * 0.6f};
+    return {{0.1f + 0.2f * random(3), 0.4f, 0.08f}, normal, Spectrum(1.5f * std::abs(normal.x) + 0.2f)};
+  }
+  if (y < 20) return {{}, {}, {}};
+  const bool dark = (int(x / 6) + int(y / 6)) % 2 == 0;
+  return {Spectrum(dark ? 0.15f : 0.6f), {0, 1, 0}, Spectrum(x < 25 && y > 40 ? 0.1f : 1.2f)};
+}
+
+Spectrum color_at(float x, float y) {
+  const Surface s = surface_at(x, y);
+  return s.normal == Spectrum{} ? Spectrum{0.5f + y * 0.01f, 0.7f, 1.1f} : s.color();
+}
+
+void append(Image& image, Spectrum s) { image.pixels.insert(image.pixels.end(), {s.x, s.y, s.z}); }
+
+struct Rendered {
+  denoise::Input input;
+  Image noisy, truth;
+};
+
+// `samples` a pixel, each of one point in it; what it shows is there, or not, with the chance `1 / noise`, and bright
+// accordingly. One sample of 3,000 is a firefly.
+Rendered render(int samples, float noise) {
+  const Image rgb{width, height, 3, {}};
+  Rendered r{{{rgb, rgb}, {width, height, 1, {}}, rgb, rgb}, rgb, rgb};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      Spectrum half[2], albedo, normal, truth;
+      double sum = 0, squares = 0;
+      for (int i = 0; i < samples; ++i) {
+        const auto random = [&](int what) { return uniform_float(hash_keys(Key(x), Key(y), Key(i), Key(what))); };
+        const float px = float(x) + random(0), py = float(y) + random(1);
+        const Surface s = surface_at(px, py);
+        Spectrum light = color_at(px, py);
+        truth += light;
+        if (noise > 0 && s.normal != Spectrum{}) light *= random(2) * noise < 1 ? noise : 0.0f;
+        if (noise > 0 && random(3) < 1 / 3000.0f) light = light * 100;
+        half[i & 1] += light;
+        albedo += s.albedo, normal += s.normal;
+        sum += double(luminance(light)), squares += double(luminance(light) * luminance(light));
+      }
+      const float n = float(samples);
+      append(r.input.halves[0], half[0] * (2 / n));
+      append(r.input.halves[1], half[1] * (2 / n));
+      append(r.noisy, (half[0] + half[1]) / n);
+      append(r.truth, truth / n);
+      append(r.input.albedo, albedo / n);
+      append(r.input.normal, normal / n);
+      const double variance = (squares - sum * sum / samples) / (samples - 1) / samples;
+      r.input.variance.pixels.push_back(noise > 0 ? float(std::max(variance, 0.0)) : 0.0f);
+    }
+  return r;
+}
+
+double mean_square_error(const Image& image, const Image& truth) {
+  double sum = 0;
+  for (std::size_t i = 0; i < truth.pixels.size(); ++i) {
+    const double error = double(image.pixels[i]) - double(truth.pixels[i]);
+    sum += error * error;
+  }
+  return sum / double(truth.pixels.size());
+}
+
+TEST(Denoise, TakesMostOfTheNoiseAway) {
+  for (const int samples : {8, 32}) {
+    const Rendered r = render(samples, 3);
+    const double before = mean_square_error(r.noisy, r.truth);
+    const double after = mean_square_error(denoise::denoised(r.input), r.truth);
+    EXPECT_LT(after, before / 6) << samples << " samples";
+  }
+}
+
+TEST(Denoise, LeavesAPictureWithoutNoiseAsItIs) {
+  Rendered r = render(4, 0);
+  r.input.halves = {r.truth, r.truth};
+  const Image image = denoise::denoised(r.input);
+  ASSERT_EQ(image.pixels.size(), r.truth.pixels.size());
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) ASSERT_NEAR(image.pixels[i], r.truth.pixels[i], 1e-3f) << i;
+}
+
+TEST(Denoise, ThreadsDoNotMatter) {
+  const Rendered r = render(8, 3);
+  const auto by = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return denoise::denoised(r.input).pixels;
+  };
+  EXPECT_EQ(by(1), by(3));
+}
+
+TEST(Denoise, PicturesMayBeTiny) {
+  Rendered r = render(8, 3);
+  const auto cut = [](Image& image) {
+    image.width = 1, image.height = 2;
+    image.pixels.resize(std::size_t(2 * image.channels));
+  };
+  for (Image* image : {&r.input.halves[0], &r.input.halves[1], &r.input.variance, &r.input.albedo, &r.input.normal})
+    cut(*image);
+  const Image image = denoise::denoised(r.input);
+  ASSERT_EQ(image.pixels.size(), 6u);
+  for (const float v : image.pixels) EXPECT_TRUE(std::isfinite(v) && v >= 0);
+}
+
+TEST(Denoise, AFilmOfTwoHalvesSaysWhatEachIs) {
+  Film film({0, 0, 1, 1}, 1, denoise::wanted_aovs());
+  ASSERT_TRUE(denoise::can_denoise(film));
+  for (std::uint32_t i = 0; i < 16; ++i) film.add(0, 0, {.radiance = Spectrum(i & 4 ? 3.0f : 1.0f), .number = i});
+  EXPECT_EQ(film.halves(0, 0)[0], Spectrum(1));
+  EXPECT_EQ(film.halves(0, 0)[1], Spectrum(3));
+  EXPECT_EQ(denoise::denoised(film).pixels.back(), 1);
+  EXPECT_FALSE(denoise::can_denoise(Film({0, 0, 1, 1}, 1, {Aov::Albedo})));
+}
+
+}  // namespace
+}  // namespace meristem
