@@ -61,7 +61,7 @@ endfunction()
 # meristem_check(NAME COMMAND ...): the ctest case checks/NAME, which passes when the command does.
 function(meristem_check name)
   add_test(NAME checks/${name} ${ARGN} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
-  set_tests_properties(checks/${name} PROPERTIES LABELS checks TIMEOUT 120)
+  set_tests_properties(checks/${name} PROPERTIES LABELS checks TIMEOUT 600)
 endfunction()
 
 # meristem_benches(): the program bench_NAME from each tests/bench/NAME_bench.cpp. They are built with everything else,
