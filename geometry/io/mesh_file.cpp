@@ -2,21 +2,14 @@
 
 #include "geometry/io/obj_reader.h"
 #include "geometry/io/ply_reader.h"
+#include "geometry/io/whole_file.h"
 
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <system_error>
+#include <utility>
 
 namespace meristem {
-
-namespace {
-
-constexpr std::uintmax_t max_file_bytes = std::uintmax_t(1)
-                                          << 30;  // fewer than 2^30 vertices and corners: 32 bits count them
-
-}  // namespace
 
 PolygonMesh load_mesh(const std::string& path, const Location& where, Diagnostics& diagnostics) {
   const auto fail = [&](std::string message) {
@@ -26,14 +19,10 @@ PolygonMesh load_mesh(const std::string& path, const Location& where, Diagnostic
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension != ".obj" && extension != ".ply")
     return fail(fmt::format("\"{}\" is no mesh file: these end in .obj or .ply", path));
-  std::error_code code;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, code);
-  if (code) return fail(fmt::format("cannot read \"{}\": {}", path, code.message()));
-  if (bytes > max_file_bytes)
-    return fail(fmt::format("\"{}\" has {} bytes; at most {} are read", path, bytes, max_file_bytes));
-  auto source = std::make_shared<SourceText>(SourceText{path, std::string(std::size_t(bytes), '\0')});
-  std::ifstream file(path, std::ios::binary);
-  if (!file.read(source->text.data(), std::streamsize(bytes))) return fail(fmt::format("cannot read \"{}\"", path));
+  std::string reason;
+  std::optional<std::string> text = read_whole_file(path, reason);  // fewer than 2^30 corners: 32 bits count them
+  if (!text) return fail(std::move(reason));
+  const auto source = std::make_shared<SourceText>(SourceText{path, std::move(*text)});
   return extension == ".obj" ? read_obj(source, diagnostics) : read_ply(source, diagnostics);
 }
 

@@ -38,6 +38,7 @@ class CommandLine {
     add_profile();
     add_compare();
     add_export();
+    add_convert();
     add_check();
     add_describe();
     app_.add_subcommand("schema", "the JSON Schema of scene files, for editors")->final_callback([this] {
@@ -113,6 +114,12 @@ class CommandLine {
     command.final_callback([this] { exit_code_ = export_command(exported_, load_); });
   }
 
+  void add_convert() {
+    CLI::App& command = *app_.add_subcommand("convert", "make a scene file of a scene of pbrt-v4 or glTF 2.0");
+    add_convert_options(command, converted_);
+    command.final_callback([this] { exit_code_ = convert_command(converted_); });
+  }
+
   void add_check() {
     CLI::App& command = *app_.add_subcommand("check", "load a scene and report its errors; renders nothing");
     add_scene_argument(command, checked_scene_);
@@ -140,6 +147,7 @@ class CommandLine {
   ProfileOptions profile_;
   MergeOptions merge_;
   ExportOptions exported_;
+  ConvertOptions converted_;
   std::string checked_scene_, described_;
   bool describe_markdown_ = false;
   int exit_code_ = 0;

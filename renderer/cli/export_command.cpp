@@ -59,7 +59,8 @@ int export_command(const ExportOptions& options, const SceneLoader& load) {
   load_options.check_only = load_options.keep_objects = true;
   const LoadedScene scene = load(options.scene, load_options);
   if (!options.quiet) print_diagnostics(scene.warnings);
-  const auto writer = make_mesh_writer(options.output, MaterialLooks(*scene.scene).any_varies());
+  const auto writer =
+      make_mesh_writer(options.output, MaterialLooks(*scene.scene).any_varies(), scene.scene->names.materials);
   ExportProgress progress(options.quiet);
   try {
     const ExportFigures figures =

@@ -210,6 +210,19 @@ void add_export_options(CLI::App& app, ExportOptions& o) {
   app.add_flag("-q,--quiet", o.quiet, "say nothing but errors");
 }
 
+void add_convert_options(CLI::App& app, ConvertOptions& o) {
+  app.add_option("FILE", o.input, "pbrt, gltf or glb, by extension")
+      ->required()
+      ->check(checked_by([](const std::string& path) {
+        if (!path.ends_with(".pbrt") && !path.ends_with(".gltf") && !path.ends_with(".glb"))
+          throw UsageError("a scene that is converted ends in .pbrt, .gltf or .glb");
+      }));
+  app.add_option("-o,--output", o.output, "scene file; its meshes and images go to a folder of its name")
+      ->required()
+      ->type_name("FILE");
+  app.add_flag("-q,--quiet", o.quiet, "say nothing of what is left out");
+}
+
 void place_help_option(CLI::App& app) { app.get_help_ptr()->group(report_group); }
 
 void add_render_options(CLI::App& app, RenderOptions& o) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "renderer/cli/commands.h"
+#include "renderer/cli/convert_command.h"
 #include "renderer/cli/export_command.h"
 #include "renderer/cli/render_command.h"
 
@@ -34,6 +35,9 @@ void add_compare_options(CLI::App& app, CompareOptions& o);
 
 // Of `export`, beside the options of the view.
 void add_export_options(CLI::App& app, ExportOptions& o);
+
+// Of `convert`.
+void add_convert_options(CLI::App& app, ConvertOptions& o);
 
 // What only `render` has: AOVs, ways of expanding, limits, checkpoints, parts, reports. After the two above.
 void add_render_options(CLI::App& app, RenderOptions& o);

@@ -101,9 +101,10 @@ MeshCamera mesh_camera(const Scene& scene) {
   return camera;
 }
 
-std::unique_ptr<MeshWriter> make_mesh_writer(const std::string& path, bool has_colors) {
+std::unique_ptr<MeshWriter> make_mesh_writer(const std::string& path, bool has_colors,
+                                             const std::vector<std::string>& material_names) {
   const std::string extension = std::filesystem::path(path).extension().string();
-  if (extension == ".obj") return make_obj_writer(path);
+  if (extension == ".obj") return make_obj_writer(path, material_names);
   if (extension == ".ply") return make_ply_writer(path, has_colors);
   if (extension == ".glb") return make_glb_writer(path, has_colors);
   return nullptr;

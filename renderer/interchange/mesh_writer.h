@@ -55,9 +55,10 @@ class MeshWriter {
 
 // Writers by the extension of the path: .obj (with materials in an .mtl beside it), .ply (binary), .glb (glTF 2.0;
 // places are nodes that share meshes). Null for any other. `has_colors`: whether vertices have one.
-std::unique_ptr<MeshWriter> make_mesh_writer(const std::string& path, bool has_colors);
+std::unique_ptr<MeshWriter> make_mesh_writer(const std::string& path, bool has_colors,
+                                             const std::vector<std::string>& material_names);
 
-std::unique_ptr<MeshWriter> make_obj_writer(const std::string& path);
+std::unique_ptr<MeshWriter> make_obj_writer(const std::string& path, const std::vector<std::string>& material_names);
 std::unique_ptr<MeshWriter> make_ply_writer(const std::string& path, bool has_colors);
 std::unique_ptr<MeshWriter> make_glb_writer(const std::string& path, bool has_colors);
 

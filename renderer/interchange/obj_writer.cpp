@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <filesystem>
 #include <iterator>
 
@@ -13,8 +14,10 @@ namespace {
 // Numbers as short as they can be and still read back the same.
 class ObjWriter final : public MeshWriter {
  public:
-  explicit ObjWriter(const std::string& path)
-      : file_(path), material_path_(std::filesystem::path(path).replace_extension(".mtl").string()) {
+  ObjWriter(const std::string& path, const std::vector<std::string>& material_names)
+      : file_(path),
+        names_(material_names),
+        material_path_(std::filesystem::path(path).replace_extension(".mtl").string()) {
     check_writable(material_path_);
     text_ = fmt::format("# made by meristem; y is up\nmtllib {}\n",
                         std::filesystem::path(material_path_).filename().string());
@@ -39,7 +42,7 @@ class ObjWriter final : public MeshWriter {
       for (const MeshTriangle& t : triangles) {
         if (material_ != int(t.material)) {
           material_ = int(t.material);
-          text_ += fmt::format("usemtl material{}\n", t.material);
+          text_ += fmt::format("usemtl {}\n", material_name(t.material));
         }
         std::array<std::uint64_t, 3> n;
         const std::array<std::uint32_t, 3> corners = place.corners(t);
@@ -60,14 +63,20 @@ class ObjWriter final : public MeshWriter {
   }
 
  private:
-  // By number, since names may hold blanks.
-  static std::string material_text(std::size_t index, const MaterialLook& m) {
+  // Names may hold blanks, so what is no letter or digit is left out, and a number keeps them apart.
+  std::string material_name(std::size_t index) const {
+    std::string name;
+    for (const char c : names_[index])
+      if (std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-') name += c;
+    return name == names_[index] ? name : fmt::format("{}.{}", name, index);
+  }
+
+  std::string material_text(std::size_t index, const MaterialLook& m) const {
     const Spectrum diffuse = m.base_color * ((1 - m.metalness) * (1 - m.transmission));
     const float f0 = (m.ior - 1) * (m.ior - 1) / ((m.ior + 1) * (m.ior + 1));
     const Spectrum specular = m.base_color * m.metalness + Spectrum(f0) * (1 - m.metalness);
     const float alpha = std::max(m.roughness * m.roughness, 1e-3f);
-    std::string text =
-        fmt::format("\n# {}\nnewmtl material{}\nillum {}\n", m.name, index, m.transmission > 0.5f ? 7 : 2);
+    std::string text = fmt::format("\nnewmtl {}\nillum {}\n", material_name(index), m.transmission > 0.5f ? 7 : 2);
     text +=
         fmt::format("Kd {} {} {}\nKs {} {} {}\n", diffuse.x, diffuse.y, diffuse.z, specular.x, specular.y, specular.z);
     text += fmt::format("Ke {} {} {}\n", m.emission.x, m.emission.y, m.emission.z);
@@ -83,6 +92,7 @@ class ObjWriter final : public MeshWriter {
   }
 
   AtomicFile file_;
+  const std::vector<std::string> names_;  // of the materials
   const std::string material_path_;
   std::string text_;
   Flattening flattening_;
@@ -92,6 +102,8 @@ class ObjWriter final : public MeshWriter {
 
 }  // namespace
 
-std::unique_ptr<MeshWriter> make_obj_writer(const std::string& path) { return std::make_unique<ObjWriter>(path); }
+std::unique_ptr<MeshWriter> make_obj_writer(const std::string& path, const std::vector<std::string>& material_names) {
+  return std::make_unique<ObjWriter>(path, material_names);
+}
 
 }  // namespace meristem

@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
+#include <optional>
 #include <stdexcept>
 
 namespace meristem {
@@ -36,6 +39,29 @@ Vec3d read_scale(Params& params) {
   return s;
 }
 
+// The whole placement as three rows; nothing, with an error, if it is none that can be inverted.
+std::optional<Affine3d> read_matrix(Params& params) {
+  const Value* value =
+      params.raw("matrix", false, R"({"type": "array", "items": {"type": "number"}, "minItems": 12, "maxItems": 12})",
+                 "the placement as the 3 rows of 4 numbers that take points into the world, instead of "
+                 "position, rotate and scale");
+  if (!value) return std::nullopt;
+  std::array<double, 12> n{};
+  bool good = value->kind == Value::Kind::Array && value->items.size() == n.size();
+  for (std::size_t i = 0; good && i < n.size(); ++i) {
+    good = value->items[i].kind == Value::Kind::Number && std::isfinite(value->items[i].number);
+    n[i] = value->items[i].number;
+  }
+  const Affine3d m{{n[0], n[4], n[8]}, {n[1], n[5], n[9]}, {n[2], n[6], n[10]}, {n[3], n[7], n[11]}};
+  if (!good || !(std::abs(m.determinant()) > 0))
+    params.error("matrix", "\"matrix\" is 12 numbers, three rows of four, that can be inverted");
+  else if (params.has("position") || params.has("rotate") || params.has("scale"))
+    params.error("matrix", "an object has either a \"matrix\" or \"position\", \"rotate\" and \"scale\"");
+  else
+    return m;
+  return std::nullopt;
+}
+
 }  // namespace
 
 ObjectSection read_object(Params& params) {
@@ -49,6 +75,7 @@ ObjectSection read_object(Params& params) {
   const Vec3d rotate =
       params.vector("rotate", {0, 0, 0}, {-36000, 36000, "deg"}, "turns about x, y and z: first z, then x, then y");
   section.to_world = placement(position, rotate, read_scale(params));
+  if (const std::optional<Affine3d> matrix = read_matrix(params)) section.to_world = *matrix;
   return section;
 }
 

@@ -3,8 +3,9 @@
     doc_commands.py MERISTEM PAGE        the program and the page
     doc_commands.py MERISTEM --self-test
 
-All blocks marked sh are run in their order in one empty folder, where the page's blocks marked jsonc stand under the
-names of their first lines. Each line must end with exit code 0, and the files it names by -o must be there then.
+All blocks marked sh are run in their order in one empty folder, where the page's blocks marked jsonc or pbrt stand
+under the names of their first lines. Each line must end with exit code 0, and the files it names by -o must be there
+then.
 """
 import os
 import pathlib
@@ -14,7 +15,7 @@ import sys
 import tempfile
 
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NAME = re.compile(r"// ([\w-]+\.jsonc)\n")
+NAME = re.compile(r"(?://|#) ([\w-]+\.(?:jsonc|pbrt))\n")
 OUTPUT = re.compile(r" -o ([\w.]+)(?= |$)")
 
 
@@ -24,7 +25,7 @@ def errors_in(program, text):
         bin_folder.mkdir()
         (bin_folder / "meristem").symlink_to(pathlib.Path(program).resolve())
         environment = dict(os.environ, PATH=f"{bin_folder}:{os.environ['PATH']}")
-        for _, body in (m.groups() for m in BLOCK.finditer(text) if m[1] == "jsonc"):
+        for _, body in (m.groups() for m in BLOCK.finditer(text) if m[1] in ("jsonc", "pbrt")):
             if name := NAME.match(body):
                 (pathlib.Path(folder) / name[1]).write_text(body, encoding="utf-8")
         for _, body in (m.groups() for m in BLOCK.finditer(text) if m[1] == "sh"):

@@ -4,6 +4,7 @@
 #include "renderer/image/atomic_file.h"
 #include "renderer/interchange/material_looks.h"
 #include "renderer/language/jsonc_reader.h"
+#include "tests/renderer/interchange/folder.h"
 
 #include <gtest/gtest.h>
 
@@ -14,25 +15,10 @@
 #include <map>
 #include <sstream>
 
-#include <unistd.h>
-
 namespace meristem {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A folder for one test.
-class Folder {
- public:
-  Folder() : path_(fs::temp_directory_path() / ("meristem_export_" + std::to_string(::getpid()))) {
-    fs::create_directories(path_);
-  }
-  ~Folder() { fs::remove_all(path_); }
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  fs::path path_;
-};
 
 // A branch whose cells are many, seen from so near that its levels of detail are mixed.
 constexpr const char* branch = R"scene({
@@ -53,14 +39,15 @@ LoadedScene load(const Folder& folder, const std::string& objects, const std::st
   std::string text = branch;
   text.replace(text.find("OBJECTS"), 7, objects);
   text.replace(text.find("DETAIL"), 6, detail);
-  std::ofstream(folder.file("scene.jsonc")) << text;
+  folder.write("scene.jsonc", text);
   LoadOptions options;
   options.check_only = options.keep_objects = true;
   return load_scene(folder.file("scene.jsonc"), options);
 }
 
 ExportFigures write(const LoadedScene& scene, const std::string& path) {
-  return export_scene(scene, *make_mesh_writer(path, MaterialLooks(*scene.scene).any_varies()),
+  return export_scene(scene,
+                      *make_mesh_writer(path, MaterialLooks(*scene.scene).any_varies(), scene.scene->names.materials),
                       [](double, std::uint64_t) {});
 }
 
@@ -85,7 +72,7 @@ std::size_t open_edges(const PolygonMesh& mesh) {
 }
 
 TEST(Export, AClosedModelIsAClosedMeshOfSharedVertices) {
-  const Folder folder;
+  const Folder folder("export");
   const auto check = [&](const char* detail, const char* name) {
     const ExportFigures figures = write(load(folder, R"({ "model": "branch" })", detail), folder.file(name));
     const PolygonMesh mesh = read(folder.file(name));
@@ -102,7 +89,7 @@ TEST(Export, AClosedModelIsAClosedMeshOfSharedVertices) {
 }
 
 TEST(Export, LevelOfDetailIsThatOfTheCamera) {
-  const Folder folder;
+  const Folder folder("export");
   const auto triangles = [&](const char* detail) {
     return write(load(folder, R"({ "model": "branch" })", detail), folder.file("mesh.ply")).triangles;
   };
@@ -112,7 +99,7 @@ TEST(Export, LevelOfDetailIsThatOfTheCamera) {
 }
 
 TEST(Export, PlacesBecomeFacesAndMirrorsTurnThem) {
-  const Folder folder;
+  const Folder folder("export");
   const LoadedScene scene = load(folder, R"({ "model": "pair", "position": [0, 5, 0] })", "0");
   for (const char* name : {"mesh.ply", "mesh.obj"}) {
     const ExportFigures figures = write(scene, folder.file(name));
@@ -158,7 +145,7 @@ Glb read_glb(const std::string& path) {
 }
 
 TEST(Export, GltfSharesTheMeshesOfInstances) {
-  const Folder folder;
+  const Folder folder("export");
   const LoadedScene scene =
       load(folder, R"({ "model": "pair" }, { "model": "pair", "position": [0, 0, 9] }, { "model": "branch" })", "0");
   const ExportFigures figures = write(scene, folder.file("mesh.glb"));
@@ -184,7 +171,7 @@ TEST(Export, GltfSharesTheMeshesOfInstances) {
 }
 
 TEST(Export, TheCameraIsTheScenes) {
-  const Folder folder;
+  const Folder folder("export");
   const LoadedScene scene = load(folder, R"({ "model": "box" })", "0");
   const MeshCamera camera = mesh_camera(*scene.scene);
   const Vec3d back = normalize(Vec3d{1, 0.5, 1.5});
@@ -195,12 +182,12 @@ TEST(Export, TheCameraIsTheScenes) {
 }
 
 TEST(Export, FailuresLeaveNoFile) {
-  const Folder folder;
+  const Folder folder("export");
   const LoadedScene scene = load(folder, R"({ "model": "box" })", "0");
-  EXPECT_THROW(make_mesh_writer(folder.file("nowhere/mesh.ply"), false), FileError);
-  { const auto unfinished = make_mesh_writer(folder.file("mesh.ply"), false); }
+  EXPECT_THROW(make_mesh_writer(folder.file("nowhere/mesh.ply"), false, {}), FileError);
+  { const auto unfinished = make_mesh_writer(folder.file("mesh.ply"), false, {}); }
   EXPECT_FALSE(fs::exists(folder.file("mesh.ply")));
-  EXPECT_EQ(make_mesh_writer(folder.file("mesh.stl"), false), nullptr);
+  EXPECT_EQ(make_mesh_writer(folder.file("mesh.stl"), false, {}), nullptr);
 }
 
 }  // namespace

@@ -1,0 +1,29 @@
+#include "renderer/cli/convert_command.h"
+
+#include "renderer/cli/console.h"
+#include "renderer/cli/exit_code.h"
+#include "renderer/image/atomic_file.h"
+#include "renderer/interchange/gltf_reader.h"
+#include "renderer/interchange/pbrt_reader.h"
+
+#include <fmt/format.h>
+
+namespace meristem {
+
+int convert_command(const ConvertOptions& options) {
+  check_writable(options.output);
+  Diagnostics diagnostics;
+  AssetFolder assets(options.output);
+  ForeignScene scene = options.input.ends_with(".pbrt") ? read_pbrt(options.input, assets, diagnostics)
+                                                        : read_gltf(options.input, assets, diagnostics);
+  complete_foreign_scene(scene, diagnostics);
+  write_foreign_scene(scene, options.output, assets);
+  if (options.quiet) return int(ExitCode::Done);
+  print_diagnostics(diagnostics.list());
+  print_error(fmt::format("{} models, {} objects, {} materials, {} lights, {} cameras\nwrote {}", scene.models.size(),
+                          scene.objects.size(), scene.materials.size(), scene.lights.size(), scene.cameras.size(),
+                          options.output));
+  return int(ExitCode::Done);
+}
+
+}  // namespace meristem

@@ -1,0 +1,185 @@
+#include "renderer/interchange/gltf_reader.h"
+
+#include "geometry/base/key.h"
+#include "renderer/interchange/export_scene.h"
+#include "renderer/interchange/material_looks.h"
+#include "tests/renderer/interchange/folder.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <sstream>
+
+namespace meristem {
+namespace {
+
+ForeignScene read(const std::string& path, std::vector<std::string>* messages = nullptr) {
+  AssetFolder assets(path + ".jsonc");
+  Diagnostics diagnostics;
+  ForeignScene scene;
+  try {
+    scene = read_gltf(path, assets, diagnostics);
+  } catch (const SceneErrors&) {
+    EXPECT_TRUE(messages) << "errors";
+  }
+  for (const Diagnostic& d : diagnostics.list()) {
+    if (messages)
+      messages->push_back(std::to_string(d.location.line()) + ":" + std::to_string(d.location.column()) + " " +
+                          d.message);
+    else
+      ADD_FAILURE() << d.formatted();
+  }
+  return scene;
+}
+
+LoadedScene load(const std::string& path, bool keep_objects) {
+  LoadOptions options;
+  options.check_only = true;
+  options.keep_objects = keep_objects;
+  return load_scene(path, options);
+}
+
+constexpr const char* two_boxes = R"({
+  "materials": { "red": { "base_color": [0.5, 0.1, 0.1], "specular_roughness": 0.6 },
+                 "gold": { "base_color": [1, 0.8, 0.3], "base_metalness": 1 } },
+  "models": { "box": { "base": { "type": "box" }, "material": "red" },
+              "ball": { "base": { "type": "sphere" }, "material": "gold", "steps": [ { "subdivide": 3 } ] } },
+  "objects": [ { "model": "box" }, { "model": "box", "position": [3, 0, 0], "rotate": [0, 45, 0], "scale": [1, 2, -1] },
+               { "model": "ball", "position": [0, 2, 0] } ],
+  "lights": [ { "type": "constant" } ],
+  "camera": { "from": [1, 2, 8], "to": [1, 1, 0], "fov": 35 },
+  "render": { "size": [320, 160], "detail": 0 } })";
+
+std::string exported(const Folder& folder) {
+  const LoadedScene scene = load(folder.write("scene.jsonc", two_boxes), true);
+  export_scene(scene, *make_mesh_writer(folder.file("mesh.glb"), false, scene.scene->names.materials),
+               [](double, std::uint64_t) {});
+  return folder.file("mesh.glb");
+}
+
+// What is exported and read again is the same scene.
+TEST(Gltf, RoundTrip) {
+  const Folder folder("gltf");
+  const std::string path = exported(folder);
+  AssetFolder assets(folder.file("again.jsonc"));
+  Diagnostics diagnostics;
+  ForeignScene foreign = read_gltf(path, assets, diagnostics);
+  complete_foreign_scene(foreign, diagnostics);
+  write_foreign_scene(foreign, folder.file("again.jsonc"), assets);
+  EXPECT_EQ(foreign.models.size(), 2u);
+  EXPECT_EQ(foreign.objects.size(), 3u);
+  const LoadedScene before = load(folder.file("scene.jsonc"), false), after = load(folder.file("again.jsonc"), false);
+  EXPECT_EQ(after.scene->settings.width, 1440);
+  const auto seen = [](const LoadedScene& loaded, float x, float y) {
+    SurfaceHit hit;
+    loaded.scene->intersector->intersect(loaded.scene->camera->ray({{x, y}, {0.5f, 0.5f}}, 320, 160), hit);
+    return hit;
+  };
+  const auto name = [](const LoadedScene& loaded, const SurfaceHit& hit) {
+    return loaded.scene->names.materials[std::size_t(hit.origin.material)];
+  };
+  int hits = 0;
+  for (float y = 2; y < 160; y += 12)
+    for (float x = 2; x < 320; x += 12) {
+      const SurfaceHit a = seen(before, x, y), b = seen(after, x, y);
+      ASSERT_EQ(a.valid(), b.valid()) << x << ", " << y;
+      if (!a.valid()) continue;
+      ++hits;
+      EXPECT_NEAR(a.t, b.t, 1e-3);
+      EXPECT_EQ(name(before, a), name(after, b));
+      EXPECT_GT(dot(a.geometric_normal, b.geometric_normal), 0.99f);
+    }
+  EXPECT_GT(hits, 30);
+  const Value& gold = foreign.materials[2].value;
+  EXPECT_EQ(gold.find("base_metalness")->text, "1");
+  EXPECT_EQ(gold.find("base_color")->text.substr(0, 4), "[1, ");
+}
+
+constexpr const char* triangle = R"({
+  "asset": { "version": "2.0" }, "scene": 0, "scenes": [ { "nodes": [ 0 ] } ],
+  "nodes": [ { "children": [ 1, 2 ], "translation": [ 0, 1, 0 ] },
+             { "mesh": 0, "rotation": [ 0, 0.7071067811865476, 0, 0.7071067811865476 ], "scale": [ 2, 2, 2 ] },
+             { "extensions": { "KHR_lights_punctual": { "light": 0 } } } ],
+  "extensions": { "KHR_lights_punctual": { "lights": [ { "type": "directional", "intensity": 2 } ] } },
+  "meshes": [ { "primitives": [ { "attributes": { "POSITION": 0 }, "indices": 1 } ] } ],
+  "accessors": [ { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" },
+                 { "bufferView": 1, "componentType": 5121, "count": 3, "type": "SCALAR" } ],
+  "bufferViews": [ { "buffer": 0, "byteLength": 36 }, { "buffer": 0, "byteOffset": 36, "byteLength": 3 } ],
+  "buffers": [ { "uri": "triangle.bin", "byteLength": 39 } ] })";
+
+std::string triangle_bytes() {
+  const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  return std::string(reinterpret_cast<const char*>(positions), sizeof positions) + std::string("\0\1\2", 3);
+}
+
+TEST(Gltf, NodesAndFilesBesideIt) {
+  const Folder folder("gltf");
+  folder.write("triangle.bin", triangle_bytes());
+  const ForeignScene scene = read(folder.write("triangle.gltf", triangle));
+  ASSERT_EQ(scene.objects.size(), 1u);
+  const Vec3d corner = scene.objects[0].to_parent.point({1, 0, 0});  // turned by 90 degrees about y
+  EXPECT_NEAR(length(corner - Vec3d{0, 1, -2}), 0, 1e-9);
+  EXPECT_EQ(scene.models[0].mesh->face_count(), 1u);
+  ASSERT_EQ(scene.lights.size(), 1u);
+  EXPECT_EQ(scene.lights[0].find("irradiance")->items[0].number, 2);
+}
+
+TEST(Gltf, ErrorsSayWhere) {
+  const Folder folder("gltf");
+  folder.write("triangle.bin", triangle_bytes());
+  const auto first = [&](const std::string& from, const std::string& to) {
+    std::string text = triangle;
+    text.replace(text.find(from), from.size(), to);
+    std::vector<std::string> messages;
+    read(folder.write("broken.gltf", text), &messages);
+    return messages.empty() ? std::string() : messages[0].substr(messages[0].find(' ') + 1);
+  };
+  EXPECT_EQ(first("\"2.0\"", "\"1.0\""), "the file is no glTF 2.0");
+  EXPECT_EQ(first("\"count\": 3", "\"count\": 4"), "4 items do not fit into 36 bytes");
+  EXPECT_EQ(first("\"count\": 3", "\"count\": 9007199254740992"), "9007199254740992 items do not fit into 36 bytes");
+  EXPECT_EQ(first("\"mesh\": 0", "\"mesh\": 1"), "there is no such item of \"meshes\"; there are 1, from 0 on");
+  EXPECT_EQ(first("\"byteLength\": 36", "\"byteLength\": 99"), "bytes 0 to 99 leave the buffer of 39");
+  EXPECT_EQ(first("\"triangle.bin\"", "\"../triangle.bin\""), "\"../triangle.bin\" leaves the folder of the file");
+  EXPECT_EQ(first("\"children\": [ 1, 2 ]", "\"children\": [ 0, 0 ]"),
+            "nodes nest deeper than 64, or are more than 1000000");
+  EXPECT_EQ(first("\"VEC3\"", "\"VEC2\""), "expected an accessor of 3 numbers an item, found 2");
+}
+
+TEST(Gltf, IndicesAndNumbersAreChecked) {
+  const Folder folder("gltf");
+  const auto path = folder.write("triangle.gltf", triangle);
+  std::string bytes = triangle_bytes();
+  bytes[38] = 3;
+  folder.write("triangle.bin", bytes);
+  std::vector<std::string> messages;
+  read(path, &messages);
+  EXPECT_EQ(messages.at(0), "7:79 index 2 is 3; there are 3 vertices");
+  bytes = triangle_bytes();
+  std::memcpy(bytes.data() + 8, "\0\0\xc0\x7f", 4);
+  folder.write("triangle.bin", bytes);
+  messages.clear();
+  read(path, &messages);
+  EXPECT_EQ(messages.at(0), "7:63 item 0 of the accessor is not finite");
+}
+
+TEST(Gltf, BrokenFilesEnd) {
+  const Folder folder("gltf");
+  std::ostringstream stream;
+  stream << std::ifstream(exported(folder), std::ios::binary).rdbuf();
+  const std::string good = stream.str();
+  const auto check = [&](const std::string& bytes) {
+    std::vector<std::string> messages;
+    const ForeignScene scene = read(folder.write("broken.glb", bytes), &messages);
+    for (const ForeignModel& m : scene.models)
+      for (const std::uint32_t v : m.mesh->corner_positions) ASSERT_LT(v, m.mesh->positions.size());
+  };
+  for (std::size_t size = 0; size < good.size(); size += good.size() / 60) check(good.substr(0, size));
+  for (Key k = 0; k < 150; ++k) {
+    std::string spoilt = good;
+    for (Key i = 0; i < 3; ++i) spoilt[hash_keys(k, i, 1) % 3000] = char(hash_keys(k, i, 2));
+    check(spoilt);
+  }
+}
+
+}  // namespace
+}  // namespace meristem
