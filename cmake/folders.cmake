@@ -51,6 +51,8 @@ function(meristem_tests layer)
     string(MAKE_C_IDENTIFIER test_${layer}_${folder} target)
     add_executable(${target} ${sources})
     target_link_libraries(${target} PRIVATE meristem_${layer} GTest::gtest_main)
+    # A test spends its time in the libraries: -O1 takes 5.9 s where -O3 takes 9.2 (grow_step_test.cpp).
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
     target_compile_definitions(${target} PRIVATE
       MERISTEM_SOURCE_DIR="${CMAKE_SOURCE_DIR}" MERISTEM_BINARY_DIR="${CMAKE_BINARY_DIR}")
     gtest_discover_tests(${target} TEST_PREFIX ${layer}/${folder}/ DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES
