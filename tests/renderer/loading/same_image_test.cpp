@@ -97,8 +97,9 @@ TEST_F(SameImage, DepthFirstAndQueuedForAnyThreadsAndBudget) {
     "render": { "size": [32, 18], "samples": 3, "max_depth": 3, "detail": 0.15 } })json");
   const Rendered eager = render(ExpandMode::Eager, 2, no_limit);
   const std::uint64_t touched_bytes = render(ExpandMode::Lazy, 1, no_limit).expansion.resident_bytes_peak;
-  for (const auto& [threads, budget] : {std::pair(1, touched_bytes / 2), std::pair(2, touched_bytes / 16),
+  for (const auto& [threads, wanted] : {std::pair(1, touched_bytes / 2), std::pair(2, touched_bytes / 16),
                                         std::pair(8, touched_bytes / 4), std::pair(8, no_limit)}) {
+    const std::uint64_t budget = std::max(wanted, least_that_works(threads));
     const Rendered queued = render(ExpandMode::Lazy, threads, budget, RayOrder::Queued);
     EXPECT_EQ(queued.sha256, eager.sha256) << threads << " threads, " << budget << " bytes";
     EXPECT_TRUE(queued.expansion.defects.empty());
@@ -106,7 +107,7 @@ TEST_F(SameImage, DepthFirstAndQueuedForAnyThreadsAndBudget) {
     EXPECT_GT(queued.queues->waits, queued.queues->served);
   }
   // Left to itself, the render goes over to queues where it pays.
-  const Rendered small = render(ExpandMode::Lazy, 2, touched_bytes / 4, RayOrder::Auto),
+  const Rendered small = render(ExpandMode::Lazy, 2, std::max(touched_bytes / 4, least_that_works(2)), RayOrder::Auto),
                  large = render(ExpandMode::Lazy, 2, no_limit, RayOrder::Auto);
   EXPECT_EQ(small.sha256, eager.sha256);
   EXPECT_EQ(large.sha256, eager.sha256);
