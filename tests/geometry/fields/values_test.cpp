@@ -131,6 +131,25 @@ TEST(Values, OfRamps) {
   EXPECT_NEAR(value("contrast(0.5, 0.9)"), 0.5, 1e-7);
 }
 
+void expect_near(Vec3f a, Vec3f b) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-6) << c;
+}
+
+TEST(Values, OfColours) {
+  expect_near(vector_value("rgbtohsl([1, 0.5, 0])"), {1 / 12.0f, 1, 0.5f});
+  expect_near(vector_value("rgbtohsl([0.2, 0.2, 0.4])"), {2 / 3.0f, 1 / 3.0f, 0.3f});
+  EXPECT_EQ(vector_value("rgbtohsl([0.3, 0.3, 0.3])"), Vec3f(0, 0, 0.3f));
+  EXPECT_EQ(vector_value("rgbtohsl([1, 1, 1])"), Vec3f(0, 0, 1));
+  for (const char* color : {"[0.9, 0.1, 0.3]", "[0.1, 0.8, 0.7]", "[0.25, 0.125, 0.75]", "[0, 0, 0]", "[1, 1, 1]"})
+    expect_near(vector_value("hsltorgb(rgbtohsl(" + std::string(color) + "))"), vector_value(color));
+  expect_near(vector_value("hsi([1, 0, 0], 120, 1, 0.5)"), {0, 0.5f, 0});
+  expect_near(vector_value("hsi([1, 0, 0], -120, 1, 1)"), {0, 0, 1});
+  expect_near(vector_value("hsi([0.8, 0.4, 0.2], 77, 0, 9, 0)"), {0.8f, 0.4f, 0.2f});
+  expect_near(vector_value("saturate([1, 0.5, 0], 0)"), Vec3f(0.2126f + 0.3576f));
+  expect_near(vector_value("saturate([1, 0.5, 0], 1)"), {1, 0.5f, 0});
+  EXPECT_EQ(vector_value("saturate([1, 0, 0], 3)").y, 0);
+}
+
 TEST(Values, OfCurves) {
   EXPECT_EQ(value("curve(0.5, 0, 1, 1, 1, 3, 1)"), 2);
   EXPECT_EQ(value("curve(-4, 0, 1, 1, 1, 3, 1)"), 1);
