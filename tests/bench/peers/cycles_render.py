@@ -14,7 +14,7 @@ import sys
 import time
 
 import bpy
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 
 def node_material(name, m):
@@ -57,7 +57,7 @@ def load(job):
     for thing in bpy.context.selected_objects:
         slots = thing.data.materials
         for i, slot in enumerate(slots):
-            slots[i] = made[slot.name.split(".")[0]]
+            slots[i] = made[slot.name.removeprefix("own ").split(".")[0]]
         if not slots:
             slots.append(next(iter(made.values())))
 
@@ -70,7 +70,7 @@ def set_camera(job, scene):
     back = (start - end).normalized()
     right = up.cross(back).normalized()
     over = back.cross(right)
-    thing.matrix_world = [[right[i], over[i], back[i], start[i]] for i in range(3)] + [[0, 0, 0, 1]]
+    thing.matrix_world = Matrix([[right[i], over[i], back[i], start[i]] for i in range(3)] + [[0, 0, 0, 1]])
     camera.sensor_fit, camera.angle = "VERTICAL", math.radians(job["camera"]["fov"])
     camera.clip_end = 1e4
     scene.camera = thing

@@ -19,9 +19,25 @@ BOUNCES = 24
 WHITE = {"type": "diffuse", "color": [0.8, 0.8, 0.8]}
 BALL = {"base": {"type": "sphere", "radius": 1, "divisions": 8}, "steps": [{"subdivide": 2}]}
 FLOOR = {"base": {"type": "plane", "width": 12, "depth": 12}}
-BOX = {"base": {"type": "box"}}
 CAMERA = {"from": [0, 3, 9], "to": [0, 0.7, 0], "up": [0, 1, 0], "fov": 35}
 SUN = {"direction": [1, -2, -1.5], "irradiance": 3, "angle": 0.53}
+
+
+def flat_box():
+    """Each side with vertices of its own: normals are those of the sides, on which renderers agree."""
+    vertices, polygons = [], []
+    for axis in range(3):
+        for side in (-0.5, 0.5):
+            corners = [[0.0, 0.0, 0.0] for _ in range(4)]
+            for corner, (a, b) in zip(corners, ((-1, -1), (1, -1), (1, 1), (-1, 1))):
+                corner[axis], corner[(axis + 1) % 3], corner[(axis + 2) % 3] = side, a / 2, b / 2
+            first = len(vertices)
+            vertices += corners
+            polygons.append([first + k for k in (range(4) if side > 0 else (3, 2, 1, 0))])
+    return {"base": {"type": "mesh", "vertices": vertices, "polygons": polygons}}
+
+
+BOX = flat_box()
 
 
 def diffuse(*color):
@@ -122,7 +138,8 @@ def compare(meristem, name, samples, folder):
     job.write_text(json.dumps({**scene, "materials": materials, "mesh": str(mesh), "camera": CAMERA, "size": SIZE,
                                "samples": [samples], "max_bounces": BOUNCES, "threads": 2,
                                "image": str(folder / "cycles.exr")}))
-    run("blender", "-b", "--factory-startup", "-noaudio", "-P", HERE / "cycles_render.py", "--", job)
+    run("blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P", HERE / "cycles_render.py",
+        "--", job)
     own, other = means(folder / "meristem.exr"), means(folder / "cycles.exr")
     worst = max(abs(a - b) / b for a, b in zip(own, other))
     columns = "   ".join(" ".join(f"{x:.4f}" for x in mean) for mean in (own, other))

@@ -43,7 +43,8 @@ def a_sample(few, more):
 def blender(job, folder):
     path = folder / "job.json"
     path.write_text(json.dumps({"size": [2, 2], "max_bounces": BOUNCES, "threads": 2, "samples": []} | job))
-    return run(["blender", "-b", "--factory-startup", "-noaudio", "-P", HERE / "cycles_render.py", "--", path])[0]
+    return run(["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P",
+                HERE / "cycles_render.py", "--", path])[0]
 
 
 def meristem(program, folder, size, threads, mode):
