@@ -1,0 +1,55 @@
+// What it costs rays that geometry is made of cells: incoherent rays over a displaced terrain of 1,048,576 quads, all
+// resident, against the same faces in one Embree scene of grids; the two in turns, on one thread, by processor time.
+//
+//   bench_rays [ROUNDS]
+#include "geometry/base/parallel.h"
+#include "tests/bench/terrain.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+
+using namespace meristem;
+
+namespace {
+
+constexpr int rays = 200000;
+
+// From just above the terrain to somewhere on it.
+Ray random_ray(Key key) {
+  const auto r = [&](Key i) { return uniform_float(hash_keys(key, i)); };
+  const Vec3f from{r(1), 0.01f + 0.04f * r(5), r(2)}, to{r(3), 0, r(4)};
+  return {from, normalize(to - from)};
+}
+
+// Rays a second.
+double speed(const Intersector& world, Key round, int& hits) {
+  const std::clock_t start = std::clock();
+  for (int i = 0; i < rays; ++i) {
+    SurfaceHit hit;
+    hits += world.intersect(random_ray(hash_keys(round, Key(i))), hit);
+  }
+  return rays * double(CLOCKS_PER_SEC) / double(std::clock() - start);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 7;
+  flush_denormals();
+  const auto model = terrain(32, 5);
+  const auto cells = terrain_world(model, {.mode = ExpandMode::Eager}),
+             flat = terrain_world(model, {.mode = ExpandMode::Flat});
+  std::vector<double> of_cells, of_flat, ratios;
+  int hits = 0;
+  for (int round = 0; round < rounds; ++round) {
+    of_cells.push_back(speed(*cells, Key(round), hits));
+    of_flat.push_back(speed(*flat, Key(round), hits));
+    ratios.push_back(of_cells.back() / of_flat.back());
+  }
+  std::ranges::sort(ratios);
+  std::printf("incoherent rays: cells %.3f, flat %.3f million rays/s at best; ratio %.3f median of %d (%d hits)\n",
+              1e-6 * std::ranges::max(of_cells), 1e-6 * std::ranges::max(of_flat), ratios[ratios.size() / 2], rounds,
+              hits);
+}
