@@ -362,60 +362,71 @@ TEST(GeometryCache, DestroysWhatItHolds) {
   EXPECT_EQ(trace.destroyed, 3);
 }
 
-// A tree of entries three deep, eight children each, walked by paths that a hash chooses.
+// A tree of entries of 100 bytes, walked by paths that a hash chooses.
 class Tree {
  public:
-  static constexpr std::size_t branching = 8, depth = 3;
-
-  explicit Tree(std::size_t budget_bytes) : cache(budget_bytes) {}
+  Tree(Trace& t, std::size_t depth, std::size_t branching, std::size_t budget_bytes)
+      : trace(t), depth_(depth), branching_(branching), cache(budget_bytes) {}
 
   void walk(Key path) {
     CacheSlot* slot = &root_;
     TracedEntry* entry = nullptr;
-    std::array<UsedEntry, depth> used{};
+    std::vector<UsedEntry> used(depth_);
     RayUse use;
-    for (std::size_t level = 0; level < depth; ++level) {
+    for (std::size_t level = 0; level < depth_; ++level) {
       entry = static_cast<TracedEntry*>(cache.acquire(*slot, entry, use, [&] {
-        return std::make_unique<TracedEntry>(trace, 100, level + 1 < depth ? branching : 0);
+        return std::make_unique<TracedEntry>(trace, 100, level + 1 < depth_ ? branching_ : 0);
       }));
       ASSERT_TRUE(entry && entry->is_valid());
       used[level] = {entry, use.cells};
       use.cells = &used[level];
-      if (!entry->slots.empty()) slot = &entry->slots[hash_keys(path, level) % branching];
+      if (!entry->slots.empty()) slot = &entry->slots[hash_keys(path, level) % branching_];
     }
     for (const UsedEntry& u : used) ASSERT_TRUE(static_cast<TracedEntry*>(u.entry)->is_valid());
   }
 
-  Trace trace;
+  Trace& trace;
 
  private:
+  const std::size_t depth_, branching_;
   CacheSlot root_;
 
  public:
   GeometryCache cache;
 };
 
-TEST(GeometryCache, ManyThreadsInATinyBudget) {
-  constexpr int threads = 8, paths = 2000;
-  for (std::size_t budget : {std::size_t(100), std::size_t(600), std::size_t(1200)}) {
-    Tree tree(budget);
+// `walks` of every thread, two paths a ray.
+void walk_tree(int threads, std::size_t depth, std::size_t branching, std::size_t budget, int walks) {
+  Trace trace;
+  {
+    Tree tree(trace, depth, branching, budget);
     run_threads(threads, [&](int thread) {
-      for (int i = 0; i < paths; ++i) {
+      for (int i = 0; i < walks; ++i) {
         const GeometryCache::Visit visit(tree.cache);
         tree.walk(hash_keys(Key(thread), Key(i)));
         tree.walk(hash_keys(Key(thread), Key(i), 1));
       }
     });
     const CacheStatistics s = tree.cache.statistics();
-    EXPECT_EQ(s.expansions, std::uint64_t(tree.trace.expanded.load()));
+    EXPECT_EQ(s.expansions, std::uint64_t(trace.expanded.load()));
     EXPECT_GT(s.evictions, 100u);
     EXPECT_EQ(s.failures, 0u);
     // Beyond the budget at most the cells in flight: of each thread the newest, its ancestors, and what went for it
-    EXPECT_LE(s.total_bytes_peak, budget + threads * (Tree::depth + 1) * 100);
-    EXPECT_EQ(s.overdrafts, 0u);
-    EXPECT_EQ((s.resident_bytes + s.limbo_bytes) / 100, std::uint64_t(tree.trace.expanded - tree.trace.destroyed));
+    // (unless the machine left a thread alone inside for too long)
+    EXPECT_TRUE(s.overdrafts > 0 || s.total_bytes_peak <= budget + std::size_t(threads) * (depth + 1) * 100)
+        << s.total_bytes_peak << " bytes in a budget of " << budget;
+    EXPECT_LE(s.overdrafts, 3u);
+    EXPECT_EQ((s.resident_bytes + s.limbo_bytes) / 100, std::uint64_t(trace.expanded - trace.destroyed));
   }
+  EXPECT_EQ(trace.expanded, trace.destroyed);
 }
+
+TEST(GeometryCache, ManyThreadsInATinyBudget) {
+  for (std::size_t budget : {std::size_t(100), std::size_t(600), std::size_t(1200)}) walk_tree(8, 3, 8, budget, 2000);
+}
+
+// Some 10^5 expansions.
+TEST(GeometryCache, ManyThreadsInABudgetOfOneEntryEach) { walk_tree(16, 8, 4, 16 * 100, 1500); }
 
 }  // namespace
 }  // namespace meristem
