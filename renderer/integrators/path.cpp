@@ -9,11 +9,17 @@
 // with shapes add their light to a ray that crosses them and do not stop it, as they stop no shadow ray either. Glowing
 // objects are hit like any surface, and asked for light like any lamp where the loader has made lights of their faces.
 //
+// In media (renderer/scene/medium.h) a ray ends where its flight collides, if no surface comes first: there one light
+// is asked and one direction of the phase function followed, as on a surface. Light on its way to a vertex is dimmed by
+// the media's transmittance. Flights are drawn before their ray is traced, so that nothing is expanded behind a
+// collision.
+//
 // A path is a state that asks for one ray at a time and goes on when it is told what the ray met; so it can be followed
 // at once (radiance()) or wait among many others (PathStepper). What becomes of it does not depend on which.
 #include "renderer/integrators/first_surface.h"
 #include "renderer/integrators/light_choice.h"
 #include "renderer/materials/bsdf.h"
+#include "renderer/media/phase.h"
 #include "renderer/scene/ray_origin.h"
 #include "renderer/scene/scene.h"
 
@@ -33,7 +39,8 @@ struct PathState {
   enum class Asks : std::uint8_t { Nothing, Surface, Light };
   Asks asks = Asks::Surface;
   bool goes_on = false;  // along `ray`, once the light has answered
-  Ray ray;               // to the next surface
+  Ray ray;               // to the next surface, or to `collision` in a medium, where it ends
+  MediumCollision collision;
   Receiver last_vertex;  // where the ray was scattered, and how:
   float last_pdf = 0;    // 0: it comes from the camera
   float travelled = 0;   // from there to the ray's origin, through transparent surfaces
@@ -94,8 +101,8 @@ class Walk {
 
   void begin(const Ray& ray) {
     ++counts_.camera;
-    s_.ray = ray;
     s_.last_vertex = {ray.origin, {}};
+    fly(ray);
   }
 
   void answer(bool met, const SurfaceHit& hit) {
@@ -111,7 +118,8 @@ class Walk {
   // Asks for the next ray at the surface that was met, if there is to be one.
   void meet_surface(bool met, const SurfaceHit& hit) {
     ask(PathState::Asks::Nothing);
-    add_crossed_lights(met ? hit.t : std::numeric_limits<float>::infinity());
+    add_crossed_lights(met ? hit.t : s_.ray.t_max);
+    if (!met && std::isfinite(s_.ray.t_max)) return meet_medium();
     if (!met) {
       const Spectrum before = s_.sum;
       add_environments();
@@ -126,12 +134,57 @@ class Walk {
     if (s_.depth == 0) report_first(first_, hit, bsdf);
     if (bsdf.emission != Spectrum{}) s_.sum += s_.throughput * bsdf.emission * weight_of_surface(hit);
     if (s_.depth >= scene_.settings.max_depth) return;
-    const bool asks_light = choose_light(point, bsdf);
+    const bool asks_light = choose_light(
+        receiver(point, bsdf),
+        [&](Vec3f wi) {
+          const Spectrum f = bsdf.evaluate(point.wo, wi);
+          return Scattered{f, f == Spectrum{} ? 0 : bsdf.pdf(point.wo, wi)};
+        },
+        [&](Vec3f wi) { return ray_from(hit, wi, s_.ray.time); });
     s_.goes_on = scatter(point, bsdf);
+    ask_light_first(asks_light);
+  }
+
+  void ask_light_first(bool asks_light) {
     if (asks_light)
       ask(PathState::Asks::Light);
     else
       go_on();
+  }
+
+  // The next ray to a surface, as far as the media let it go.
+  void fly(const Ray& ray) {
+    s_.ray = ray;
+    if (scene_.media.empty()) return;
+    RandomStream random(sampler_.next_1d());
+    for (const auto& medium : scene_.media)
+      if (medium->collide(s_.ray, random, s_.collision)) s_.ray.t_max = s_.collision.t;
+  }
+
+  // Asks for the next ray where the flight collides, as meet_surface() does.
+  void meet_medium() {
+    const MediumCollision& c = s_.collision;
+    s_.sum += s_.throughput * c.emission;
+    s_.throughput *= c.albedo;
+    if (s_.depth >= scene_.settings.max_depth || s_.throughput == Spectrum{}) return;
+    const Vec3f place = s_.ray.origin + s_.ray.direction * c.t, before = s_.ray.direction;
+    const bool asks_light = choose_light(
+        {place, {}},
+        [&](Vec3f wi) {
+          const float p = phase(c.anisotropy, dot(before, wi));
+          return Scattered{Spectrum(p), p};
+        },
+        [&](Vec3f wi) { return free_ray(place, wi); });
+    s_.goes_on = scatter_in_medium(place);
+    ask_light_first(asks_light);
+  }
+
+  Ray free_ray(Vec3f origin, Vec3f direction) const {
+    Ray ray;
+    ray.origin = origin;
+    ray.direction = direction;
+    ray.time = s_.ray.time;
+    return ray;
   }
 
   void go_on() { ask(s_.goes_on ? PathState::Asks::Surface : PathState::Asks::Nothing); }
@@ -145,7 +198,7 @@ class Walk {
   void pass_through(const SurfaceHit& hit) {
     if (++s_.passes > max_passes) return;
     s_.travelled += hit.t;
-    s_.ray = ray_from(hit, s_.ray.direction, s_.ray.time);
+    fly(ray_from(hit, s_.ray.direction, s_.ray.time));
     ask(PathState::Asks::Surface);
   }
 
@@ -192,27 +245,45 @@ class Walk {
     return weight_met(found, scene_.lights[found]->pdf_hit(whole, s_.travelled + t_nearest));
   }
 
-  // Makes the ray to a light, if one may bring something.
-  bool choose_light(const ShadingPoint& point, const Bsdf& bsdf) {
+  // What a vertex scatters towards a direction, and the pdf with which it would have gone there itself.
+  struct Scattered {
+    Spectrum value;
+    float pdf;
+  };
+
+  // Makes the ray to a light, if one may bring something. Of a direction, `scatter` gives the Scattered and `ray_to`
+  // the ray.
+  template <class Scatter, class RayTo>
+  bool choose_light(const Receiver& vertex, const Scatter& scatter, const RayTo& ray_to) {
     if (scene_.lights.empty()) return false;
     const float random_pick = sampler_.next_1d();
     const Vec2f random = sampler_.next_2d();
-    const LightChoice::Pick pick = choice_.pick(receiver(point, bsdf), random_pick);
+    const LightChoice::Pick pick = choice_.pick(vertex, random_pick);
     if (pick.light < 0) return false;
-    const LightSample light = scene_.lights[std::size_t(pick.light)]->sample(point.hit.position, random);
+    const LightSample light = scene_.lights[std::size_t(pick.light)]->sample(vertex.position, random);
     const float pdf = light.pdf * pick.probability;
     if (!(pdf > 0)) return false;
-    const Spectrum f = bsdf.evaluate(point.wo, light.direction);
-    if (f == Spectrum{} || light.radiance == Spectrum{}) return false;
-    const float weight = light.is_delta ? 1 : power_heuristic(pdf, bsdf.pdf(point.wo, light.direction));
+    const Scattered scattered = scatter(light.direction);
+    if (scattered.value == Spectrum{} || light.radiance == Spectrum{}) return false;
+    const float weight = light.is_delta ? 1 : power_heuristic(pdf, scattered.pdf);
+    s_.shadow = ray_to(light.direction);
+    s_.shadow.t_max = light.distance;
+    const float dimmed = transmittance(s_.shadow);
+    if (dimmed == 0) return false;
     ++counts_.shadow;
-    s_.light = s_.throughput * f * light.radiance;
-    s_.light_scale = weight / pdf;
+    s_.light = s_.throughput * scattered.value * light.radiance;
+    s_.light_scale = weight / pdf * dimmed;
     s_.visible = 1;
     s_.light_passes = 0;
-    s_.shadow = ray_from(point.hit, light.direction, s_.ray.time);
-    s_.shadow.t_max = light.distance;
     return true;
+  }
+
+  float transmittance(const Ray& ray) {
+    if (scene_.media.empty()) return 1;
+    RandomStream random(sampler_.next_1d());
+    float passed = 1;
+    for (const auto& medium : scene_.media) passed *= medium->transmittance(ray, random);
+    return passed;
   }
 
   // Light from behind matters only to a surface that lets it through.
@@ -247,16 +318,29 @@ class Walk {
     if (!(s.pdf > 0) || s.weight == Spectrum{}) return false;
     s_.throughput *= s.weight;
     s_.entered *= s.eta * s.eta;
-    if (++s_.depth >= path_.roulette_depth()) {
-      const float survival = std::min(0.95f, max_component(s_.throughput) * s_.entered);
-      if (sampler_.next_1d() >= survival) return false;
-      s_.throughput /= survival;
-    }
+    return survives() && leave(receiver(point, bsdf), s.pdf, ray_from(point.hit, s.wi, s_.ray.time));
+  }
+
+  bool scatter_in_medium(Vec3f place) {
+    const Vec3f before = s_.ray.direction, after = sample_phase(s_.collision.anisotropy, before, sampler_.next_2d());
+    const float pdf = phase(s_.collision.anisotropy, dot(before, after));
+    return survives() && leave({place, {}}, pdf, free_ray(place, after));
+  }
+
+  bool survives() {
+    if (++s_.depth < path_.roulette_depth()) return true;
+    const float survival = std::min(0.95f, max_component(s_.throughput) * s_.entered);
+    if (sampler_.next_1d() >= survival) return false;
+    s_.throughput /= survival;
+    return true;
+  }
+
+  bool leave(const Receiver& vertex, float pdf, const Ray& ray) {
     ++counts_.bounce;
-    s_.last_pdf = s.pdf;
-    s_.last_vertex = receiver(point, bsdf);
+    s_.last_pdf = pdf;
+    s_.last_vertex = vertex;
     s_.travelled = 0;
-    s_.ray = ray_from(point.hit, s.wi, s_.ray.time);
+    fly(ray);
     return true;
   }
 

@@ -156,7 +156,7 @@ class SchemaMaker {
     add_expressions();
     for (const std::string& kind : catalogue_.kinds()) add_kind(kind);
     for (const char* needed : {"material", "light", "camera", "base", "step", "template", "production", "model", "grid",
-                               "object", "render"})
+                               "object", "medium", "render"})
       if (!definitions_.find(needed)) define(needed, type("object"));
     Value schema = object(
         {{"$schema", text("http://json-schema.org/draft-07/schema#")},
@@ -297,6 +297,7 @@ class SchemaMaker {
         {"grids", described("fields of samples by name, for vdb() in expressions", map_of("grid"))},
         {"objects", described("where models stand", list_of("object"))},
         {"lights", described("what lights the scene", list_of("light"))},
+        {"media", described("matter between surfaces", list_of("medium"))},
         {"camera", described("where the scene is seen from", reference_to_describe("camera"))},
         {"cameras", described("cameras by name, to choose from", map_of("camera"))},
         {"render", described("size and quality of the image", reference_to_describe("render"))},

@@ -8,6 +8,7 @@
 #include "renderer/loading/load_part.h"
 #include "renderer/loading/load_settings.h"
 #include "renderer/loading/scene_grids.h"
+#include "renderer/media/expression_medium.h"
 
 namespace meristem {
 
@@ -36,6 +37,8 @@ Catalogue make_catalogue() {
        info_of("grid", "model", "a field of samples: the distance from a model", read_model_grid),
        info_of("grid", "value", "a field of samples of an expression", read_value_grid),
        info_of("section", "object", "a model placed in the world", read_object),
+       info_of("section", "medium", "matter between surfaces: mist, smoke, haze",
+               [](Params& p) { ExpressionMedium medium(p); }),
        info_of("section", "render", "size, quality and memory of the image", read_render)});
   add(all.bases.infos());
   add({info_of("step", "subdivide",

@@ -10,6 +10,7 @@
 #include "renderer/loading/load_settings.h"
 #include "renderer/loading/scene_files.h"
 #include "renderer/loading/scene_grids.h"
+#include "renderer/media/expression_medium.h"
 
 #include <fmt/format.h>
 
@@ -59,6 +60,7 @@ class SceneBuilder {
     const Value* grid_section = section(params, "grids", Value::Kind::Object);
     const Value* objects = section(params, "objects", Value::Kind::Array);
     const Value* lights = section(params, "lights", Value::Kind::Array);
+    const Value* media = section(params, "media", Value::Kind::Array);
     const Value* camera = section(params, "camera", Value::Kind::Object);
     const Value* cameras = section(params, "cameras", Value::Kind::Object);
     const Value* render = section(params, "render", Value::Kind::Object);
@@ -75,6 +77,7 @@ class SceneBuilder {
     const GridScope expressions_may_name(&grids);
     add_materials(materials);
     add_lights(lights);
+    add_media(media);
     choose_camera(file, camera, cameras);
     add_render(render);
     std::vector<Placement> world = objects ? library.place(*objects) : std::vector<Placement>{};
@@ -90,6 +93,8 @@ class SceneBuilder {
       result.footprint = camera_footprint(*scene_);
     } else {
       make_intersector(std::move(world), render ? render->location : file.location);
+      fill_media(media);
+      diagnostics_.throw_if_errors();
     }
     if (!options_.check_only) scene_->prepare();
     result.scene = std::move(scene_);
@@ -190,6 +195,30 @@ class SceneBuilder {
         scene_->lights.push_back(std::move(made));
   }
 
+  void add_media(const Value* media) {
+    for (const Value& value : media ? media->items : std::vector<Value>{}) {
+      if (value.kind != Value::Kind::Object) {
+        diagnostics_.error(value.location, fmt::format("a medium is an object, found {}", value.kind_name()));
+        continue;
+      }
+      Params params(value, "medium", diagnostics_);
+      media_.push_back(new ExpressionMedium(params));
+      scene_->media.emplace_back(media_.back());
+      params.finish();
+    }
+  }
+
+  // Once it is known how far the scene reaches.
+  void fill_media(const Value* media) {
+    for (std::size_t i = 0; i < media_.size(); ++i) {
+      try {
+        media_[i]->fill(scene_->intersector->bounds());
+      } catch (const std::runtime_error& error) {
+        diagnostics_.error(media->items[i].location, error.what());
+      }
+    }
+  }
+
   // "camera" is one, "cameras" are several by name; --camera picks one of these.
   void choose_camera(const Value& file, const Value* camera, const Value* cameras) {
     std::vector<std::string> names;
@@ -243,6 +272,7 @@ class SceneBuilder {
   Diagnostics diagnostics_;
   std::unique_ptr<Scene> scene_;
   std::map<std::string, int> material_names_;
+  std::vector<ExpressionMedium*> media_;  // those of the scene
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include "renderer/scene/aov.h"
 #include "renderer/scene/interfaces.h"
+#include "renderer/scene/medium.h"
 
 #include <memory>
 #include <string>
@@ -41,6 +42,7 @@ class Scene {
   std::unique_ptr<Camera> camera;
   std::vector<std::unique_ptr<Light>> lights;
   std::vector<std::unique_ptr<Material>> materials;  // by FaceOrigin::material; never empty: [0] is the default
+  std::vector<std::unique_ptr<Medium>> media;
   std::unique_ptr<Integrator> integrator;
   std::unique_ptr<Sampler> sampler;
   std::unique_ptr<Filter> filter;

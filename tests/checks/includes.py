@@ -18,7 +18,7 @@ LAYERS = {
         "scene",
         "color image",
         "textures film",
-        "cameras samplers filters lights materials denoise",
+        "cameras samplers filters lights materials media denoise",
         "integrators",
         "components.h",
         "language",
