@@ -48,11 +48,18 @@ GrowStep::GrowStep(std::shared_ptr<const GrowthRules> rules, std::shared_ptr<con
       index_(index),
       level_(level),
       key_salt_(hash_keys(hash_text("grow"), std::uint64_t(index))),
-      random_salt_(hash_keys(seed, key_salt_)) {}
+      random_salt_(hash_keys(seed, key_salt_)) {
+  for (std::uint32_t corners = 3; corners < most_children_.size(); ++corners)
+    most_children_[corners] = count_children(corners);
+}
 
 std::string GrowStep::name() const { return fmt::format("grow {}", level_ + 1); }
 
 std::uint32_t GrowStep::max_children(std::uint32_t corners) const {
+  return corners < most_children_.size() ? most_children_[corners] : count_children(corners);
+}
+
+std::uint32_t GrowStep::count_children(std::uint32_t corners) const {
   std::uint32_t most = 1;
   rules_->for_each([&](const Production& p) {
     if (p.part().shape->refusal(corners).empty()) most = std::max(most, sample_growth(p.part(), corners).face_count());

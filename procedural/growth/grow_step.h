@@ -18,6 +18,7 @@
 #include "geometry/cells/step.h"
 #include "procedural/growth/production.h"
 
+#include <array>
 #include <map>
 #include <memory>
 #include <utility>
@@ -53,6 +54,7 @@ class GrowStep : public Step {
  private:
   class Application;
   const Production* choose(std::span<const Production> candidates, std::span<const Vec3f> values, Key face_key) const;
+  std::uint32_t count_children(std::uint32_t corners) const;
   Key production_salt(const Production& p, std::span<const Production> list) const;
   bool grows_later(std::int32_t symbol) const;
   // Adds what comes of one production to the extent after the step.
@@ -64,6 +66,8 @@ class GrowStep : public Step {
   int index_, level_;
   Key key_salt_, random_salt_;
   Quantum quantum_;
+  // By corners, since it is asked for every face and every level to come.
+  std::array<std::uint32_t, 9> most_children_{};
 };
 
 // Reads the steps of an object that has the member "grow". Errors go to diagnostics; then the steps must not be used.
