@@ -287,8 +287,14 @@ bool CellEntry::follow(MissingCells::Way way, RayContext& context, RTCRayHit& ra
   const WayStep step(context, way[0]);
   ++context.acquired;
   CacheSlot& slot = slots_[way[0]];
-  CellEntry* cell = context.search->expands ? root_->child(*this, way[0], context.use) : root_->found(slot);
-  return cell ? cell->follow(way.subspan(1), context, ray) : slot.state() == CacheSlot::State::Failed;
+  CellEntry* cell = root_->found(slot);
+  if (!cell) {
+    // Its box may have become tighter since it was noted, and the ray shorter
+    if (!(earliest_entry(proxies_->known_bounds(way[0]), ray.ray) <= ray.ray.tfar)) return true;
+    if (context.search->expands) cell = root_->child(*this, way[0], context.use);
+    if (!cell) return slot.state() == CacheSlot::State::Failed;
+  }
+  return cell->follow(way.subspan(1), context, ray);
 }
 
 // Embree's callbacks for child cells. acquire() does not throw, so nothing crosses the C boundary.

@@ -29,8 +29,9 @@ class MissingCells {
  public:
   using Way = std::span<const std::uint32_t>;  // from the world's objects: instances and children by number
 
-  // A ray that misses more is not worth waiting: it overflows, and nothing more is noted.
-  static constexpr std::size_t most_cells = 64;
+  // A ray that misses more is not worth waiting: it overflows, and nothing more is noted. Before cells are expanded for
+  // the first time their boxes are wide, and hundreds are usual.
+  static constexpr std::size_t most_cells = 1024;
   bool overflows() const { return count_ > most_cells; }
 
   void note(Key name, float entry, Way way);

@@ -141,7 +141,7 @@ TEST(RaySearch, ExpandsOnlyWhatItWaitedFor) {
 TEST(RaySearch, ARayThatMissesTooMuchDoesNotWait) {
   const auto cube = part_of(bumpy_model(shapes::cube(), 2, 0.1, {64, 64}));
   std::vector<Placement> row;
-  for (int i = 0; i < 100; ++i) row.push_back({cube, Affine3d::translation({0, 0, -3.0 * i}), Key(i + 1), false});
+  for (int i = 0; i < 1100; ++i) row.push_back({cube, Affine3d::translation({0, 0, -3.0 * i}), Key(i + 1), false});
   const auto world = make_world(row, {}), plain = make_world(row, {});
   for (const float x : {0.1f, 0.98f}) {
     RaySearch search;
