@@ -137,7 +137,7 @@ class LazyRoot final : public ModelRoot {
         roots_(roots),
         cache_(cache),
         counts_(counts),
-        reach_(source_.part->placer ? float(source_.part->placer->reach()) : 0),
+        reach_(source_.part->placer ? source_.part->placer->reach() : Bounds3f{}),
         name_(hash_keys(identity(), std::bit_cast<std::uintptr_t>(source_.part.get()))) {}
 
   void intersect(RayContext& context, RTCRayHit& ray) const override {
@@ -234,7 +234,7 @@ class LazyRoot final : public ModelRoot {
 
   std::unique_ptr<CacheEntry> entry_of(Expansion& expansion, const Bounds3f& bounds, Key key) const {
     if (expansion.inner) {
-      for (Bounds3f& b : expansion.inner->child_bounds) b = b.inflated(Vec3f(reach_));
+      for (Bounds3f& b : expansion.inner->child_bounds) b = bounds_with_reach(b, reach_);
       std::unique_ptr<CacheEntry> entry;
       run_isolated([&] { entry = std::make_unique<CellEntry>(*this, std::move(expansion.inner)); });
       return entry;
@@ -268,7 +268,7 @@ class LazyRoot final : public ModelRoot {
   Roots& roots_;
   GeometryCache& cache_;
   ExpansionCounts& counts_;
-  const float reach_;
+  const Bounds3f reach_;  // of what stands on it; empty: it is shown itself
   const Key name_;  // of its root cell, for rays that wait
   mutable CacheSlot slot_;
 };

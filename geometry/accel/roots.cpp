@@ -1,8 +1,19 @@
 #include "geometry/accel/roots.h"
 
+#include "geometry/cells/expansion.h"
 #include "geometry/cells/placed_footprint.h"
 
 namespace meristem {
+
+namespace {
+
+// Those of the very individual, where they can be had before it is expanded.
+void find_bounds(RootSource& source) {
+  if (source.part->derives)
+    source.bounds = model_bounds(*source.part->model, source.footprint.get(), source.individual);
+}
+
+}  // namespace
 
 std::unique_ptr<ModelRoot> Roots::make(RootSource source) {
   const bool is_surface = source.part->model && !source.part->placer;
@@ -10,12 +21,13 @@ std::unique_ptr<ModelRoot> Roots::make(RootSource source) {
   return make_lazy_root(std::move(source), *this, cache_, counts_);
 }
 
-const ModelRoot& Roots::shared(RootSource source, const Placement& placement) {
+const ModelRoot& Roots::shared(RootSource source) {
   const std::lock_guard lock(mutex_);
   std::unique_ptr<ModelRoot>& root =
-      shared_[{placement.part.get(), source.individual, constant_size(source.footprint.get())}];
+      shared_[{source.part.get(), source.individual, constant_size(source.footprint.get())}];
   if (!root) {
     constexpr std::size_t node_bytes = 96;  // of the map
+    find_bounds(source);
     root = make(std::move(source));
     bytes_ += root->bytes() + node_bytes;
   }
@@ -28,19 +40,21 @@ std::unique_ptr<Instances> Roots::place(const std::vector<Placement>& placements
   std::vector<Instance> instances;
   std::vector<std::unique_ptr<ModelRoot>> owned;
   instances.reserve(placements.size());
-  for (const Placement& p : placements) {
+  for (const Placement& placed : placements) {
+    const Placement p = shown_placement(placed, footprint);
     RootSource source{p.part, placed_footprint(footprint, p), placed_individual(individual, p), nullptr,
                       placed_bounds(p)};
     const ModelRoot* root = nullptr;
     if (can_share(p, source.footprint.get())) {
-      root = &shared(std::move(source), p);
+      root = &shared(std::move(source));
     } else {
+      find_bounds(source);
       source.parent = parent;
       owned.push_back(make(std::move(source)));
       root = owned.back().get();
     }
     const auto index = instances.size();
-    instances.emplace_back(*root, placed_bounds(p), p.to_parent, Key(index) + 1, are_objects ? int(index) : -1);
+    instances.emplace_back(*root, root->bounds(), p.to_parent, Key(index) + 1, are_objects ? int(index) : -1);
   }
   return std::make_unique<Instances>(std::move(instances), std::move(owned));
 }

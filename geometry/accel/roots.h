@@ -27,7 +27,7 @@ class Roots {
 
  private:
   std::unique_ptr<ModelRoot> make(RootSource source);
-  const ModelRoot& shared(RootSource source, const Placement& placement);
+  const ModelRoot& shared(RootSource source);
 
   const ExpandMode mode_;
   const int threads_;

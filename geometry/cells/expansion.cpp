@@ -141,11 +141,24 @@ CellMesh child_cell(const Model& model, const InnerCell& parent, std::size_t chi
 
 Expansion expand(const Model& model, CellMesh cell, int level) { return Expander(model, std::move(cell), level).run(); }
 
-Bounds3f model_bounds(const Model& model) {
-  const Mesh& mesh = model.base().mesh;
+namespace {
+
+std::vector<std::uint32_t> all_faces(const Mesh& mesh) {
   std::vector<std::uint32_t> faces(mesh.face_count());
   std::iota(faces.begin(), faces.end(), 0u);
-  return round_outwards(final_bounds(model, region_extent(model, mesh, Adjacency(mesh), faces, 0), 0));
+  return faces;
+}
+
+}  // namespace
+
+Bounds3f model_bounds(const Model& model) {
+  const Mesh& mesh = model.base().mesh;
+  return round_outwards(final_bounds(model, region_extent(model, mesh, Adjacency(mesh), all_faces(mesh), 0), 0));
+}
+
+Bounds3f model_bounds(const Model& model, const Footprint* footprint, Key individual) {
+  const CellMesh cell = root_cell(model, footprint, individual);
+  return round_outwards(region_bounds(model, cell, Adjacency(cell.mesh), all_faces(cell.mesh), 0));
 }
 
 }  // namespace meristem

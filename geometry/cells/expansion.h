@@ -54,7 +54,9 @@ CellMesh child_cell(const Model& model, const InnerCell& parent, std::size_t chi
 // Expands a cell before step `level`. Throws what a step throws (a rule that gives non-finite positions, a limit).
 Expansion expand(const Model& model, CellMesh cell, int level);
 
-// Bounds of the whole model, before anything is expanded.
+// Bounds of the whole model, before anything is expanded, whichever individual and footprint; and of one individual as
+// seen with a footprint, which are closer where steps can derive them.
 Bounds3f model_bounds(const Model& model);
+Bounds3f model_bounds(const Model& model, const Footprint* footprint, Key individual);
 
 }  // namespace meristem

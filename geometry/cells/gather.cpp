@@ -155,10 +155,9 @@ class ChildMaker {
         inner_.child_bounds.push_back(round_outwards(b));
       return;
     }
-    for (std::size_t child = 0; child < count; ++child) {
-      const Extent extent = region_extent(model_, mesh_, *inner_.adjacency, inner_.faces_of_child(child), inner_.level);
-      inner_.child_bounds.push_back(round_outwards(final_bounds(model_, extent, inner_.level)));
-    }
+    for (std::size_t child = 0; child < count; ++child)
+      inner_.child_bounds.push_back(round_outwards(
+          region_bounds(model_, inner_.cell, *inner_.adjacency, inner_.faces_of_child(child), inner_.level)));
   }
 
   double find_bud_share() const {

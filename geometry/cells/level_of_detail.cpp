@@ -130,7 +130,7 @@ double thinned_faces(const Model& model, const CellMesh& cell, std::uint32_t fac
   while (!model.step(level).grows(origin.symbol)) ++level;
   if (!model.step(level).thins()) return INFINITY;
   const double footprint = cell.footprint->at(cell.mesh.positions[cell.mesh.corners(face)[0]]);
-  return model.step(level).thinned_children(origin, footprint) * model.estimated_faces(4, -1, level + 1);
+  return model.step(level).thinned_faces(origin, footprint, model.estimated_faces(4, -1, level + 1));
 }
 
 }  // namespace

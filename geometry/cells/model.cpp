@@ -104,17 +104,15 @@ int Model::trailing_refinements(int level) const {
   return count;
 }
 
-bool Model::grows_later(std::int32_t symbol, int level) const {
-  if (symbol < 0) return false;
-  for (int i = level; i < levels(); ++i)
-    if (step(i).grows(symbol)) return true;
-  return false;
+int Model::growing_step(std::int32_t symbol, int level) const {
+  if (symbol < 0) return levels();
+  while (level < levels() && !step(level).grows(symbol)) ++level;
+  return level;
 }
 
 bool Model::thins_later(std::int32_t symbol, int level) const {
-  for (int i = level; i < levels(); ++i)
-    if (step(i).grows(symbol)) return step(i).thins();
-  return false;
+  const int growing = growing_step(symbol, level);
+  return growing < levels() && step(growing).thins();
 }
 
 double Model::estimated_faces(std::uint32_t corners, std::int32_t symbol, int level) const {

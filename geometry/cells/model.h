@@ -50,8 +50,9 @@ class Model {
   // The scheme whose limit surface a mesh before step `level` is taken for, if nothing but plain smoothing lies ahead
   // or, at the end, lies behind.
   std::optional<RefineOptions> smoothing(int level) const;
-  // Whether a step at `level` or later replaces faces with this symbol (or with what grows of it).
-  bool grows_later(std::int32_t symbol, int level) const;
+  // The first step at `level` or later that replaces faces with this symbol; levels(): none does.
+  int growing_step(std::int32_t symbol, int level) const;
+  bool grows_later(std::int32_t symbol, int level) const { return growing_step(symbol, level) < levels(); }
 
  private:
   std::string name_;

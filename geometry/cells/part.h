@@ -22,6 +22,10 @@ struct Placement {
                            // wanted level of detail agrees
   bool in_full = false;    // whatever the footprint
   Bounds3f known_bounds = {};  // of this individual, in its own frame, if known better than the part's; else empty
+  // What is seen smaller than so many footprints is shown as this individual instead, which shares expanded cells with
+  // others as above; 0: never.
+  Key stand_in = 0;
+  double stand_in_below = 0;
 };
 
 // Puts parts on the faces of a mesh.
@@ -31,9 +35,12 @@ class Placer {
   // What stands on the owned faces of a cell of the ground's final mesh. A pure function of each face; the same for
   // every thread. `individual` as given to the part.
   virtual void place(const CellMesh& ground, Key individual, std::vector<Placement>& placements) const = 0;
-  // No placed part reaches further than this beyond the ground's bounds.
-  virtual double reach() const = 0;
+  // A box around the origin that holds whatever is placed there.
+  virtual Bounds3f reach() const = 0;
 };
+
+// Bounds of what is placed on a ground with those bounds.
+Bounds3f bounds_with_reach(const Bounds3f& ground, const Bounds3f& reach);
 
 struct Part {
   explicit Part(std::shared_ptr<const Model> shown);
@@ -45,6 +52,8 @@ struct Part {
   const std::shared_ptr<const Placer> placer;  // null: the model itself is shown
   const std::vector<Placement> members;        // of a group
   const Bounds3f bounds;                       // conservative, in the part's frame, of everything that comes of it
+  const bool derives = false;  // whether an individual's own bounds are closer than these: model_bounds() knows them
+  const Bounds3f typical;      // of one individual, for decisions that need not be exact
 };
 
 }  // namespace meristem

@@ -18,7 +18,7 @@ const ConstantFootprint* as_constant(const Footprint* footprint) {
 
 }  // namespace
 
-const Bounds3f& placed_bounds(const Placement& p) { return p.known_bounds.empty() ? p.part->bounds : p.known_bounds; }
+const Bounds3f& placed_bounds(const Placement& p) { return p.known_bounds.empty() ? p.part->typical : p.known_bounds; }
 
 std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Footprint>& parent,
                                                   const Placement& placement) {
@@ -38,6 +38,15 @@ std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Fo
   if (!placement.is_shared) return std::make_shared<ConstantFootprint>(least);
   return std::make_shared<ConstantFootprint>(
       std::exp2(std::floor(std::log2(least) * footprint_steps_per_octave) / footprint_steps_per_octave));
+}
+
+Placement shown_placement(const Placement& placement, const std::shared_ptr<const Footprint>& footprint) {
+  if (placement.stand_in == 0) return placement;
+  Placement other = placement;
+  other.individual = placement.stand_in;
+  other.is_shared = true;
+  const double size = constant_size(placed_footprint(footprint, other).get());
+  return max_component(placed_bounds(placement).size()) < placement.stand_in_below * size ? other : placement;
 }
 
 Key placed_individual(Key parent, const Placement& placement) {

@@ -7,7 +7,11 @@
 
 namespace meristem {
 
+// What decisions take for its bounds: those of one individual of the part, unless they are known.
 const Bounds3f& placed_bounds(const Placement& placement);
+
+// The placement as it is shown where the footprint is given: that of its stand-in, if it is seen that small.
+Placement shown_placement(const Placement& placement, const std::shared_ptr<const Footprint>& footprint);
 
 // In the frame of a part whose parent's footprint is given (null, and a part in full: null). Where it hardly varies
 // over the part it is constant, the least of it, so that other placements can share what is expanded.

@@ -187,4 +187,34 @@ Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adja
   return builder.take(all);
 }
 
+Bounds3d region_bounds(const Model& model, const CellMesh& cell, const Adjacency& adjacency,
+                       std::span<const std::uint32_t> faces, int level) {
+  const Mesh& mesh = cell.mesh;
+  const auto bounds_of = [&](std::span<const std::uint32_t> part) {
+    return final_bounds(model, region_extent(model, mesh, adjacency, part, level), level);
+  };
+  std::vector<std::uint32_t> derived, others;
+  Bounds3d box;
+  int after = level;
+  for (std::uint32_t f : faces) {
+    const auto corners = mesh.corners(f);
+    const bool is_alone = std::all_of(corners.begin(), corners.end(),
+                                      [&](std::uint32_t v) { return adjacency.faces_of_vertex(v).size() == 1; });
+    const int step = model.growing_step(mesh.origins[mesh.face_origins[f]].symbol, level);
+    const auto of_face = is_alone && step < model.levels() ? model.step(step).derive(cell, f) : std::nullopt;
+    (of_face ? derived : others).push_back(f);
+    if (!of_face) continue;
+    box.extend(of_face->box);
+    after = std::max(after, step + of_face->levels);
+  }
+  Bounds3d bounds;
+  if (!others.empty()) bounds.extend(bounds_of(others));
+  if (derived.empty()) return bounds;
+  Extent e = region_extent(model, mesh, adjacency, derived, level);
+  for (int i = level; i < after; ++i) e = model.step(i).bound(e);
+  e.box = box;
+  bounds.extend(final_bounds(model, e, after));
+  return bounds;
+}
+
 }  // namespace meristem

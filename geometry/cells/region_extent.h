@@ -12,4 +12,9 @@ namespace meristem {
 Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adjacency,
                      std::span<const std::uint32_t> faces, int level);
 
+// Final bounds of everything that comes of the listed owned faces of a cell before step `level`: by that extent, but
+// for what steps can derive (Step::derive).
+Bounds3d region_bounds(const Model& model, const CellMesh& cell, const Adjacency& adjacency,
+                       std::span<const std::uint32_t> faces, int level);
+
 }  // namespace meristem

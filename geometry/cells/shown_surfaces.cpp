@@ -50,7 +50,8 @@ class Layout {
   std::vector<Child> place(const std::vector<Placement>& placements, const std::shared_ptr<const Footprint>& footprint,
                            Key individual) {
     std::vector<Child> children;
-    for (const Placement& p : placements) {
+    for (const Placement& placed : placements) {
+      const Placement p = shown_placement(placed, footprint);
       const auto seen_as = placed_footprint(footprint, p);
       const Key own = placed_individual(individual, p);
       if (!can_share(p, seen_as.get())) {

@@ -28,6 +28,12 @@ struct CellMesh {
   const Footprint* footprint = nullptr;
 };
 
+// Bounds of what comes of a face after so many steps.
+struct DerivedBounds {
+  Bounds3d box;
+  int levels = 0;
+};
+
 class Step {
  public:
   virtual ~Step() = default;
@@ -43,6 +49,13 @@ class Step {
   virtual void apply(const CellMesh& in, int rings_after, CellMesh& out) const = 0;
   // The extent after the step of everything that comes of a region with extent `e`.
   virtual Extent bound(const Extent& e) const = 0;
+  // Bounds of all that this step and those after it make of a face that it grows and that shares no vertex with others,
+  // found by deriving it without meshes: tighter than bound(), since they are those of this face's key. None: it
+  // cannot.
+  virtual std::optional<DerivedBounds> derive(const CellMesh& cell, std::uint32_t face) const {
+    (void)cell, (void)face;
+    return {};
+  }
   // The longest displacement after refining a part of that extent to a local scale of at most `scale`.
   virtual double offset_bound(const Extent& before, double scale) const {
     (void)before, (void)scale;
@@ -61,9 +74,10 @@ class Step {
   // Whether the step itself makes less of what is smaller than the cell's footprint, so that nothing is to be left out
   // before it.
   virtual bool thins() const { return false; }
-  // About how many faces such a step makes of one with that origin where faces are wanted `footprint` large.
-  virtual double thinned_children(const FaceOrigin& origin, double footprint) const {
-    (void)origin, (void)footprint;
+  // About how many final faces come of one with that origin where faces are wanted `footprint` large, if each that can
+  // be refined further becomes `refined`.
+  virtual double thinned_faces(const FaceOrigin& origin, double footprint, double refined) const {
+    (void)origin, (void)footprint, (void)refined;
     return 0;
   }
   // Told once, by the model's constructor, before any apply(): the grid on which it must place vertices.

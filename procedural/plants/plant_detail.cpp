@@ -1,5 +1,7 @@
 #include "procedural/plants/plant_detail.h"
 
+#include "procedural/plants/leaf_shape.h"
+
 #include <cmath>
 
 namespace meristem {
@@ -52,30 +54,102 @@ void coarsen(double radius, double segment, double footprint, StemDetail& d) {
   const double most = tolerance * footprint;
   while (d.sides >= 8 && d.sides % 8 == 0 && radius * (1 - std::cos(2 * pi / d.sides)) < most) d.sides /= 2;
   if (radius < footprint) d.most_rings = 1;
+  d.has_flare = radius > footprint;
+  d.is_final = 2 * radius < 1.5 * footprint;
+  d.is_smoothed = d.is_smoothed && !d.is_final;
   d.bend = std::clamp(to_degrees(8 * most / segment), d.bend, 120.0);
 }
 
+// Leaves merge where they would be smaller than this many pixels.
+constexpr double smallest_card = 2;
+// No fewer remain of a whole tree.
+constexpr double fewest_leaves = 12;
+// Where some stems stand for all, they are this many pixels wide.
+constexpr double narrowest_ribbon = 0.5;
+// On stems leaves and twigs are fewer than the most, by the shapes that the paper gives them.
+constexpr double mean_of_most_children = 0.75;
+
+double leaf_size(const WeberPennParameters& p) { return p.leaf_scale / std::sqrt(p.quality); }
+
+double expected_leaves(const WeberPennParameters& p) {
+  double count = 1;
+  for (int level = 0; level < p.levels; ++level) count *= mean_of_most_children * expected_children(p, level);
+  return count;
+}
+
+// The mean length of stems of a level.
+double mean_length(const WeberPennParameters& p, int level) {
+  constexpr double mean_of_longest = 0.7;
+  double length = p.scale * p.level[0].length;
+  for (int i = 1; i <= level; ++i) length *= mean_of_longest * p.at(i).length;
+  return length;
+}
+
+// How many children a stem has at least, on average, while whole stems are left out. Foliage stands in clumps, one a
+// stem of the last level, whose leaves hide and shade each other: cards that are scattered more evenly cover more, and
+// are brighter; the more so, the smaller a card is beside its stem. Measured, so that crowns keep cover and luminance.
+double fewest_children(const WeberPennParameters& p, int level, double card) {
+  if (level + 1 < p.levels) return 1.5;
+  return std::max(1.0, 3.7 * std::pow(mean_length(p, level) / card, 0.6));
+}
+
+// Cards of several leaves are rounder than one that is long and narrow.
+void merge_leaves(const WeberPennParameters& p, double share, PlantDetail& d) {
+  const double leaf = leaf_size(p), area = leaf * leaf * p.leaf_scale_x / share;
+  const double aspect = std::pow(p.leaf_scale_x, std::sqrt(share));
+  d.leaf_length = std::sqrt(area / aspect);
+  d.leaf_width = d.leaf_length * aspect;
+  d.are_cards = share < 1;
+}
+
 }  // namespace
+
+double kept_share(const WeberPennParameters& p, int level, double footprint) {
+  const bool is_bare = level < p.levels && expected_children(p, level) == 0;
+  if (level == 0 || footprint <= 0 || is_bare) return 1;
+  if (level < p.levels)
+    return std::min(1.0, kept_share(p, level + 1, footprint) * mean_of_most_children * expected_children(p, level) /
+                             fewest_children(p, level, smallest_card * footprint));
+  const double card = smallest_card * footprint / leaf_size(p);
+  const double table = degradation::leaf_points(degradation::effective_range(footprint), 200);
+  const double share = std::min(table, p.leaf_scale_x / (card * card));
+  return std::clamp(share, std::min(1.0, fewest_leaves / expected_leaves(p)), 1.0);
+}
 
 PlantDetail plant_detail(const WeberPennParameters& p, int level, double radius, double segment, double footprint,
                          bool is_smoothed) {
   PlantDetail result;
   result.stem = full_detail(p, level, is_smoothed);
+  const bool bears_leaves = level + 1 == p.levels;
+  const double leaves = kept_share(p, p.levels, footprint);
+  if (bears_leaves) merge_leaves(p, leaves, result);
   if (footprint <= 0) return result;
   const double r = degradation::effective_range(footprint), s = 0.5 * p.quality, d = 200;
   coarsen(radius, segment, footprint, result.stem);
-  if (level == 1) result.stem_share = degradation::branch_lines(r, s);
-  if (level >= 2) result.stem_share = degradation::twig_lines(r, s);
-  if (level + 1 < p.levels) return result;
-  result.leaf_share = degradation::leaf_points(r, d);
-  // The paper ends with one leaf of four; beyond, those that remain are about half a pixel
-  const double leaf = p.leaf_scale / std::sqrt(p.quality);
-  const double enough = 2 * leaf / footprint;
-  if (result.leaf_share <= 0.25) result.leaf_share = std::min(result.leaf_share, enough * enough);
-  result.leaf_share = std::max(result.leaf_share, 1 / (most_leaf_growth * most_leaf_growth));
-  result.leaf_growth = 1 / std::sqrt(result.leaf_share);
-  result.leaf_faces = degradation::leaf_faces(r, d);
+  const double kept = kept_share(p, level, footprint);
+  result.stem.is_ribbon = result.stem.is_final && (level > 0 || 2 * radius < narrowest_ribbon * footprint);
+  result.child_share = kept_share(p, level + 1, footprint) / kept;
+  if (bears_leaves) result.leaf_faces = result.are_cards ? 0 : degradation::leaf_faces(r, d);
+  if (level == 0) return result;
+  // The share of the paper, and at least as many as are about half a pixel wide when they stand for all
+  const double table = level == 1 ? degradation::branch_lines(r, s) : degradation::twig_lines(r, s);
+  const double shown = std::min(kept, std::max(table, 2 * radius / (narrowest_ribbon * footprint)));
+  result.stem_share = shown / kept;
+  result.stem.widening = 1 / shown;
   return result;
+}
+
+double longest_leaf(const WeberPennParameters& p) {
+  PlantDetail d;
+  merge_leaves(p, std::min(1.0, fewest_leaves / expected_leaves(p)), d);
+  return std::max(leaf_size(p), d.leaf_length);
+}
+
+double leaf_reach(const WeberPennParameters& p, double length, double width) {
+  const LeafShape& shape = leaf_shape(p.leaf_shape);
+  const double leaf = leaf_size(p), whole = leaf * shape.reach * std::max(p.leaf_scale_x, 1.0);
+  // Cards lie around the middle of the leaf that they grow from
+  return std::max({whole, 0.5 * (length + leaf), std::hypot(0.5 * leaf, shape.area * width)});
 }
 
 }  // namespace meristem

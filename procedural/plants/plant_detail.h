@@ -1,10 +1,11 @@
 // How much of a tree is drawn, by the size of a pixel there: the degradation by range of Weber and Penn (section 5 of
-// the paper) in fractions, and what this tree model makes of them.
+// the paper) in fractions, what this tree model makes of them, and how it goes on beyond them.
 //
 // The paper measures distance in an effective range r: metres for an image of 1000 lines under 60 degrees. With it each
-// kind of part is drawn as triangles, then as lines or points, of which ever fewer remain. Here a line is a stem with
-// the fewest faces, a point a leaf of one face; which stems and leaves remain is drawn by their keys, and the remaining
-// leaves grow so that the crown covers as much as before. Pure functions.
+// kind of part is drawn as triangles, then as lines or points, of which ever fewer remain. Here a line is a ribbon, one
+// face a stem, a point a leaf of one face. Those that remain stand for the others: they are wider, or larger, so that
+// what the tree covers and its colour stay, and never much smaller than a pixel, so that a tree of a few pixels is some
+// tens of faces. Which ones remain follows from an order among the children of each stem. Pure functions.
 #pragma once
 
 #include "procedural/plants/stem_mesh.h"
@@ -25,17 +26,24 @@ double leaf_points(double r, double d);
 
 struct PlantDetail {
   StemDetail stem;
-  double stem_share = 1;   // of the stems of this level that are drawn
-  double leaf_share = 1;   // of the leaves
-  double leaf_growth = 1;  // factor on the size of those that remain
-  double leaf_faces = 1;   // of these, the share that is drawn in full, not as one face
+  double stem_share = 1;   // of the stems of this level that are there, those that are drawn
+  double child_share = 1;  // of the children of each, stems or leaves, those that are there
+  // Of leaves:
+  double leaf_length = 0, leaf_width = 0;  // of those that remain
+  double leaf_faces = 1;                   // of these, the share that is drawn in full, not as one face
+  bool are_cards = false;                  // whether each stands for several: one face, not refined any further
 };
-
-constexpr double most_leaf_growth = 3;
 
 // Of a stem of that level and base radius, with segments of that length, where a pixel is `footprint` metres wide; 0:
 // everything in full.
 PlantDetail plant_detail(const WeberPennParameters& p, int level, double radius, double segment, double footprint,
                          bool is_smoothed);
+
+// Of the parts of a level (`p.levels`: of the leaves) the share that is there at all.
+double kept_share(const WeberPennParameters& p, int level, double footprint);
+
+// The longest that a leaf becomes, and the furthest that one which is drawn so reaches from its foot.
+double longest_leaf(const WeberPennParameters& p);
+double leaf_reach(const WeberPennParameters& p, double length, double width);
 
 }  // namespace meristem

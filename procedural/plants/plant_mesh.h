@@ -41,13 +41,28 @@ class PlantMesh {
       mesh_.uv.push_back(uv);
     return v;
   }
-  void add_face(std::span<const std::uint32_t> vertices) {
-    mesh_.add_face(vertices, next_key(), std::uint32_t(mesh_.origins.size()) - 1);
+  void add_face(std::span<const std::uint32_t> vertices) { add_face(vertices, next_key()); }
+  void add_face(std::span<const std::uint32_t> vertices, Key key) {
+    mesh_.add_face(vertices, key, std::uint32_t(mesh_.origins.size()) - 1);
     if (uv_by_corner_)
       for (std::uint32_t v : vertices) mesh_.corner_uv.push_back(uv_[v - first_vertex_]);
   }
   void add_face(std::initializer_list<std::uint32_t> vertices) {
     add_face(std::span<const std::uint32_t>(vertices.begin(), vertices.size()));
+  }
+  // The bud's faces from `first` on are as fine as will ever be wanted: they are shown as they are.
+  void freeze(std::uint32_t first) {
+    mesh_.frozen.resize(mesh_.vertex_count());
+    for (std::uint32_t f = first; f < mesh_.face_count(); ++f)
+      for (std::uint32_t v : mesh_.corners(f))
+        mesh_.frozen[v].normal = mesh_.frozen[v].normal + Vec3f(newell_normal(mesh_, f));
+    for (std::uint32_t f = first; f < mesh_.face_count(); ++f)
+      for (std::uint32_t v : mesh_.corners(f)) {
+        FrozenVertex& frozen = mesh_.frozen[v];
+        if (frozen.is_frozen) continue;
+        const Vec2d uv = uv_by_corner_ ? uv_[v - first_vertex_] : mesh_.uv[v];
+        frozen = {true, false, Vec3f(mesh_.positions[v]), normalize(frozen.normal), Vec2f{float(uv.x), float(uv.y)}};
+      }
   }
   std::uint32_t face_count() const { return mesh_.face_count(); }
 

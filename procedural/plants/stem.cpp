@@ -13,7 +13,7 @@ constexpr Key tree_scale = hash_text("scale"), trunk_length = hash_text("trunk l
               split_turn = hash_text("split turn"), split_side = hash_text("split side"), clone = hash_text("clone"),
               child_phase = hash_text("child phase"), child_turn = hash_text("child turn"),
               child_side = hash_text("child side"), child_down = hash_text("child down"), child = hash_text("child"),
-              helix_turn = hash_text("helix turn");
+              child_order = hash_text("child order"), helix_turn = hash_text("helix turn");
 
 // In scales; where the variation is as large as the scale.
 constexpr double smallest_tree = 0.05;
@@ -30,6 +30,13 @@ double random_bend(const PlantLevel& level) { return std::max(level.curve_v, 0.0
 
 double spread_at_fork(double radius, double segment, std::size_t stems) {
   return std::min(fork_spread * radius / std::sin(pi / double(stems)), steepest_spread * segment);
+}
+
+// The rank of child j of a piece: multiples of the golden ratio spread evenly however many are taken.
+double rank_of(double phase, std::uint64_t j) {
+  constexpr double golden = 0.6180339887498949;
+  const double x = phase + double(j) * golden;
+  return x - std::floor(x);
 }
 
 double leaf_length(const WeberPennParameters& p) { return p.leaf_scale / std::sqrt(p.quality); }
@@ -284,48 +291,55 @@ StemChild Stem::child_at(const StemPiece& piece, double z, std::uint64_t index, 
   c.bud.frame = frame_at(piece, z);
   turn_about_z(c.bud.frame, to_radians(angle));
   turn_about_x(c.bud.frame, to_radians(down));
-  c.bud.inset = radius_at(z) / std::max(std::abs(std::sin(to_radians(down))), 0.3);
+  if (!bears_leaves()) c.bud.inset = radius_at(z) / std::max(std::abs(std::sin(to_radians(down))), 0.3);
   describe(c, z);
   return c;
 }
 
-void Stem::add_row(const StemPiece& piece, std::vector<StemChild>& out) const {
+void Stem::add_row(const StemPiece& piece, double share, std::vector<StemChild>& out) const {
   const double first = std::max(piece.first_segment * segment_, bare_);
   const double last = (piece.first_segment + double(piece.nodes.size()) - 1) * segment_;
   const double density = bud_.children * piece.share / (bud_.length - bare_);
   const Draws draws(hash_keys(piece.key, Key(piece.first_segment)));
-  const double phase = draws.uniform(child_phase);
+  const double phase = draws.uniform(child_phase), order = draws.uniform(child_order);
   const auto count = std::uint64_t(std::max(std::floor((last - first) * density + phase), 0.0));
   double angle = 360 * draws.uniform(child_turn);
   const std::uint64_t side = draws.uniform(child_side) < 0.5;
   for (std::uint64_t j = 0; j < count; ++j) {
     const double turn = child_level_.rotate + draws.spread(child_level_.rotate_v, child_turn, j);
     angle = turn >= 0 && child_level_.rotate >= 0 ? angle + turn : ((j + side) % 2 ? 1 : -1) * (180 + turn);
+    const double rank = rank_of(order, j);
+    if (rank >= share) continue;
     const double z = std::min(first + (double(j) + 1 - phase) / density, last);
     out.push_back(child_at(piece, z, j, angle));
+    out.back().rank = rank;
   }
 }
 
 // All at the tip, spread evenly over `rotate` to both sides.
-void Stem::add_fan(const StemPiece& piece, std::vector<StemChild>& out) const {
+void Stem::add_fan(const StemPiece& piece, double share, std::vector<StemChild>& out) const {
   if (!piece.next.empty()) return;
   const Draws draws(hash_keys(piece.key, Key(piece.first_segment)));
   const auto count = std::uint64_t(-bud_.children * piece.share + draws.uniform(child_phase));
+  const double order = draws.uniform(child_order);
   for (std::uint64_t j = 0; j < count; ++j) {
+    const double rank = rank_of(order, j);
+    if (rank >= share) continue;
     StemChild c = child_at(piece, bud_.length, j, 0);
+    c.rank = rank;
     c.bud.frame = frame_at(piece, bud_.length);
     turn_about_x(c.bud.frame, to_radians(child_level_.rotate * ((double(j) + 0.5) / double(count) - 0.5)));
     out.push_back(c);
   }
 }
 
-void Stem::find_children(std::vector<StemChild>& out) const {
+void Stem::find_children(std::vector<StemChild>& out, double share) const {
   out.clear();
   for (const StemPiece& piece : pieces_)
     if (bud_.children > 0)
-      add_row(piece, out);
+      add_row(piece, share, out);
     else
-      add_fan(piece, out);
+      add_fan(piece, share, out);
   if (!bears_leaves()) std::erase_if(out, [&](const StemChild& c) { return c.bud.length < 1e-4 * bud_.length; });
 }
 

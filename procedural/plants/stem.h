@@ -47,6 +47,7 @@ struct StemPiece {
 struct StemChild {
   StemBud bud;       // of a leaf: frame, key and length
   double place = 0;  // 0 at the first child a stem may have, 1 at its tip
+  double rank = 0;   // those with a rank below any share are about that share of a stem's children, spread evenly
 };
 
 class Stem {
@@ -67,8 +68,8 @@ class Stem {
   double radius_at(double z) const;
   double flared_radius_at(double z) const;
 
-  // All children, in order along each piece; replaces what is in `out`.
-  void find_children(std::vector<StemChild>& out) const;
+  // Children of a rank below `share`, in order along each piece; replaces what is in `out`.
+  void find_children(std::vector<StemChild>& out, double share = 1) const;
 
  private:
   struct Path;
@@ -87,8 +88,8 @@ class Stem {
   StemChild child_at(const StemPiece& piece, double z, std::uint64_t index, double angle) const;
   StemChild fan_child(const StemPiece& piece, std::uint64_t index, double share) const;
   void describe(StemChild& child, double z) const;
-  void add_row(const StemPiece& piece, std::vector<StemChild>& out) const;
-  void add_fan(const StemPiece& piece, std::vector<StemChild>& out) const;
+  void add_row(const StemPiece& piece, double share, std::vector<StemChild>& out) const;
+  void add_fan(const StemPiece& piece, double share, std::vector<StemChild>& out) const;
 
   const WeberPennParameters& p_;
   StemBud bud_;

@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::uint32_t most_sides = 64;
 constexpr int most_bend_rings = 6;
+constexpr Key ribbon_turn = hash_text("ribbon turn");
 
 // 0 at whole numbers, 1 half way between.
 double mirrored_cycle(double x) { return 1 - std::abs(1 - 2 * (x - std::floor(x))); }
@@ -31,6 +32,16 @@ class StemMesher {
   }
 
   void run() {
+    const std::uint32_t first = out_.face_count();
+    if (detail_.is_ribbon)
+      add_ribbons();
+    else
+      add_tube();
+    if (detail_.is_final) out_.freeze(first);
+  }
+
+ private:
+  void add_tube() {
     const StemPiece& trunk = stem_.pieces().front();
     Ring ring;
     Section root{trunk.nodes[0].frame.origin, trunk.nodes[0].tangent, stem_.bud().frame.x, 0};
@@ -49,7 +60,6 @@ class StemMesher {
     add_piece(trunk, 0, 0, ring, root);
   }
 
- private:
   // A place on an axis, with the direction of label 0.
   struct Section {
     Vec3d center, tangent, x;
@@ -68,9 +78,34 @@ class StemMesher {
   Vec3d direction(const Section& s, std::uint32_t label) const {
     return s.x * cos_[label] + cross(s.tangent, s.x) * sin_[label];
   }
-  double radius(double z) const { return cage_ * std::max(stem_.flared_radius_at(z), 1e-3 * stem_.bud().radius); }
+  double radius(double z) const {
+    return cage_ * detail_.widening * std::max(stem_.flared_radius_at(z), 1e-3 * stem_.bud().radius);
+  }
   Vec3d rim(const Section& s, std::uint32_t label, double radius) const {
     return s.center + direction(s, label) * (radius * bulge_[label]);
+  }
+
+  // A ribbon lies along the stem, turned about it by chance, and on average covers as much as the stem.
+  void add_ribbons() {
+    const double z_scale = stem_.segment_length();
+    const double turn = 2 * pi * Draws(stem_.bud().key).uniform(ribbon_turn);
+    for (const StemPiece& piece : stem_.pieces()) {
+      const StemNode &from = piece.nodes.front(), &to = piece.nodes.back();
+      const Vec3d across = from.frame.x * std::cos(turn) + from.frame.y * std::sin(turn);
+      const double z0 = piece.first_segment * z_scale, z1 = z0 + double(piece.nodes.size() - 1) * z_scale;
+      const Vec3d side0 = across * (ribbon_width * detail_.widening * stem_.flared_radius_at(z0));
+      set_origin(0.5 * (z0 + z1));
+      const std::uint32_t a = out_.add_vertex(from.frame.origin - side0, {0, z0});
+      const std::uint32_t b = out_.add_vertex(from.frame.origin + side0, {1, z0});
+      if (piece.next.empty()) {
+        out_.add_face({a, b, out_.add_vertex(to.frame.origin, {0.5, z1})});
+        continue;
+      }
+      const Vec3d side1 = across * (ribbon_width * detail_.widening * stem_.flared_radius_at(z1));
+      const std::uint32_t c = out_.add_vertex(to.frame.origin + side1, {1, z1});
+      const std::uint32_t d = out_.add_vertex(to.frame.origin - side1, {0, z1});
+      out_.add_face({a, b, c, d});
+    }
   }
 
   void set_origin(double z) {
@@ -168,7 +203,7 @@ class StemMesher {
       const double t = (z - z0) / segment;
       if (t > from + 0.004 && t < 0.996) places.push_back(t);
     };
-    if (stem_.bud().level == 0 && p_.flare > 0)
+    if (stem_.bud().level == 0 && p_.flare > 0 && detail_.has_flare)
       for (double part : {0.012, 0.03, 0.055, 0.085, 0.125}) add(part * total);
     if (taper > 1 && taper <= 2 && is_tip) {
       const double end = stem_.bud().radius * (taper - 1);
@@ -307,6 +342,14 @@ class StemMesher {
 }  // namespace
 
 double cage_radius(std::uint32_t sides) { return 3 / (2 + std::cos(2 * pi / sides)); }
+
+double most_section(const Stem& stem, const WeberPennParameters& p, const StemDetail& detail, double radius) {
+  std::size_t stems = 1;
+  for (const StemPiece& piece : stem.pieces()) stems = std::max(stems, piece.next.size());
+  const double outline =
+      cage_radius(4) * (1 + 0.45 * double(stems - 1)) * (stem.bud().level == 0 ? 1 + p.lobe_depth : 1);
+  return (detail.is_ribbon ? ribbon_width : outline) * detail.widening * radius;
+}
 
 double faces_of_segment(const StemDetail& detail) { return detail.sides * (0.5 + 0.5 * detail.most_rings); }
 

@@ -23,6 +23,10 @@ struct StemDetail {
   double bend = 25;          // most degrees from ring to ring
   double aspect = 4;         // length over width of faces, as far as most_rings goes
   bool is_smoothed = false;  // whether subdivision follows: then the rings are the control points of that surface
+  bool has_flare = true;     // whether a trunk has rings of its own where it widens at the ground
+  double widening = 1;       // factor on the radius, of stems that stand for others
+  bool is_final = false;     // whether no subdivision will make it finer; then it is not smoothed either
+  bool is_ribbon = false;    // one face from each fork to the next or to a tip, for stems that are thinner than a pixel
 };
 
 // What the faces of stems carry: symbol and material; parameters are level, radius of the stem here, length of the
@@ -34,8 +38,12 @@ struct StemFaces {
 void mesh_stem(const Stem& stem, const WeberPennParameters& p, const StemDetail& detail, const StemFaces& faces,
                PlantMesh& out);
 
+// Half the width of a ribbon, in radii: turned at random, it covers as much as the stem.
+constexpr double ribbon_width = pi / 2;
 // Of a ring of control points, so that the smooth surface has radius 1.
 double cage_radius(std::uint32_t sides);
+// How far the surface of a stem that is no thicker than `radius` may lie from its axis.
+double most_section(const Stem& stem, const WeberPennParameters& p, const StemDetail& detail, double radius);
 // About how many faces a segment has.
 double faces_of_segment(const StemDetail& detail);
 

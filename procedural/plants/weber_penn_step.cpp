@@ -29,6 +29,21 @@ void turn_to_light(Affine3d& frame, double bend) {
   turn_about_x(frame, dot(frame.z, plant_up) < 0 ? -bend * tilt : bend * tilt);
 }
 
+// A bound on the angle between a trunk and the vertical, radians.
+double trunk_lean(const WeberPennParameters& p) {
+  const PlantLevel& level = p.level[0];
+  if (level.curve_v < 0 || p.base_splits > 0 || level.seg_splits > 0) return pi;
+  const double bend =
+      level.curve_back != 0 ? std::abs(level.curve) + std::abs(level.curve_back) : std::abs(level.curve);
+  return to_radians(bend + level.curve_v + level.bend_v);
+}
+
+// Whatever the footprint, in radii: where few remain, these are wide.
+double most_section(const WeberPennParameters& p, int level) {
+  const double tube = cage_radius(4) * (1 + (level == 0 ? p.lobe_depth : 0));
+  return std::max(tube, ribbon_width / kept_share(p, level, INFINITY));
+}
+
 Interval outwards(double lower, double upper) {
   return {std::nextafterf(float(lower), -INFINITY), std::nextafterf(float(upper), INFINITY)};
 }
@@ -57,16 +72,116 @@ std::uint32_t WeberPennStep::max_children(std::uint32_t) const {
   return std::uint32_t(std::min(faces, 1e9));
 }
 
-double WeberPennStep::thinned_children(const FaceOrigin& bud, double footprint) const {
+double WeberPennStep::thinned_faces(const FaceOrigin& bud, double footprint, double refined) const {
+  const auto& q = bud.parameters;
   const WeberPennParameters& p = plant_->parameters;
-  if (!is_last() || level_ == 0) return max_children(3);
-  const double segment = double(bud.parameters[bud_length]) / p.at(level_).curve_res;
-  const PlantDetail detail =
-      plant_detail(p, level_, double(bud.parameters[bud_base_radius]), segment, footprint, plant_->is_smoothed);
-  const double leaves = std::abs(double(bud.parameters[bud_children])) * detail.leaf_share;
-  return detail.stem_share * expected_segments(p, level_) * faces_of_segment(detail.stem) +
-         leaves * leaf_shape(p.leaf_shape).face_count() + 1;
+  const double length = level_ == 0 ? longest_trunk(p) : double(q[bud_length]);
+  const double radius = level_ == 0 ? thickest_trunk(p) : double(q[bud_base_radius]);
+  return expected_faces(level_, length, radius, std::max(footprint, plant_->footprint), refined);
 }
+
+// About how many faces a stem becomes with all that grows on it.
+double WeberPennStep::expected_faces(int level, double length, double radius, double footprint, double refined) const {
+  const WeberPennParameters& p = plant_->parameters;
+  const PlantDetail d = plant_detail(p, level, radius, length / p.at(level).curve_res, footprint, plant_->is_smoothed);
+  const double stem = d.stem.is_ribbon ? 1 : expected_segments(p, level) * faces_of_segment(d.stem);
+  double child = d.are_cards ? 1 : leaf_shape(p.leaf_shape).face_count() * refined;
+  if (level + 1 < p.levels) {
+    const double share = std::max(p.at(level + 1).length, 0.05);  // of the length and, by a power, of the radius
+    child = expected_faces(level + 1, length * share, radius * std::pow(share, p.ratio_power), footprint, refined);
+  }
+  return d.stem_share * stem * (d.stem.is_final ? 1 : refined) + expected_children(p, level) * d.child_share * child +
+         1;
+}
+
+StemBud WeberPennStep::bud_of(const CellMesh& in, std::uint32_t f) const {
+  const FaceFrame frame = face_frame(in.mesh, f);
+  const Affine3d axes{frame.x, frame.y, frame.z, frame.origin};
+  const Key key = plant_->key_of_stem(in.mesh.face_keys[f]);
+  if (level_ == 0) return trunk_bud(plant_->parameters, axes, key);
+  const auto& q = in.mesh.origins[in.mesh.face_origins[f]].parameters;
+  return {level_, key, axes, q[bud_length], q[bud_base_radius], q[bud_children], q[bud_inset], q[bud_scale]};
+}
+
+// The skeleton of a stem and of all that grows on it, for its bounds.
+class WeberPennStep::Derivation {
+ public:
+  Derivation(const WeberPennStep& step, const CellMesh& in) : step_(step), p_(step.plant_->parameters), in_(in) {}
+
+  void add(const StemBud& bud) {
+    const double footprint = step_.footprint_at(in_, bud.frame.origin);
+    if (reaches_no_further(bud.frame.origin, reach_of_all(bud.level, bud.length, bud.radius, footprint))) return;
+    const Stem stem(p_, bud);
+    const Bounds3d own = bounds_of(stem, footprint);
+    box.extend(own);
+    if (stem.bears_leaves()) return;
+    const double longest = (p_.at(bud.level + 1).length + p_.at(bud.level + 1).length_v) * bud.length;
+    if (box.contains(own.inflated(Vec3d(reach_of_all(bud.level + 1, longest, bud.radius, footprint))))) return;
+    std::vector<StemChild> children;
+    stem.find_children(children);
+    for (StemChild& child : children) {
+      child.bud.key = step_.plant_->key_of_stem(child.bud.key);
+      add(child.bud);
+    }
+  }
+
+  Bounds3d box;
+
+ private:
+  bool reaches_no_further(Vec3d root, double reach) const {
+    return !box.empty() && box.contains(Bounds3d{root, root}.inflated(Vec3d(reach)));
+  }
+
+  PlantDetail detail_of(int level, double radius, double segment, double footprint) const {
+    return plant_detail(p_, level, radius, segment, footprint, step_.plant_->is_smoothed);
+  }
+
+  // From the root of a stem to the furthest of anything on it, whatever its key.
+  double reach_of_all(int level, double length, double radius, double footprint) const {
+    const double segment = length / p_.at(level).curve_res;
+    const StemReach reach = stem_reach(p_, level, length, radius);
+    const PlantDetail detail = detail_of(level, radius, segment, footprint);
+    const double section = ribbon_width * (1 + (level == 0 ? p_.lobe_depth : 0)) * reach.radius * detail.stem.widening;
+    const double beyond = level + 1 == p_.levels ? leaf_reach(p_, detail.leaf_length, detail.leaf_width)
+                                                 : reach_of_all(level + 1, reach.child_length, radius, footprint);
+    return reach.axis + 0.2 * segment + std::max(2 * section, beyond);
+  }
+
+  // Of the stem alone, with its leaves.
+  Bounds3d bounds_of(const Stem& stem, double footprint) const {
+    const StemBud& bud = stem.bud();
+    const double segment = stem.segment_length();
+    const PlantDetail detail = detail_of(bud.level, bud.radius, segment, footprint);
+    const bool has_leaves = stem.bears_leaves() && bud.children != 0;
+    const double leaf = has_leaves ? leaf_reach(p_, detail.leaf_length, detail.leaf_width) : 0;
+    // Smoothing draws control points back that stand out: of bends by half the distance of rings, over 6; of tips by a
+    // fifth of it
+    const double beyond = step_.plant_->is_smoothed ? segment / 12 : 0,
+                 tip = step_.plant_->is_smoothed ? 0.2 * segment : 0;
+    double section = most_section(stem, p_, detail.stem, stem.flared_radius_at(0));
+    Bounds3d bounds;
+    bounds.extend(bud.frame.origin - bud.frame.z * (bud.level == 0 ? section : 0));
+    bounds = bounds.inflated(Vec3d(section));
+    for (const StemPiece& piece : stem.pieces())
+      for (std::size_t i = 0; i + 1 < piece.nodes.size(); ++i) {
+        const StemNode &a = piece.nodes[i], &b = piece.nodes[i + 1];
+        const double z = (piece.first_segment + double(i)) * segment;
+        // Beyond a taper of 1 it may be as thick further up
+        if (stem.level().taper <= 1) section = most_section(stem, p_, detail.stem, stem.flared_radius_at(z));
+        const double third = length(b.frame.origin - a.frame.origin) / 3;
+        Bounds3d axis;  // the control points of its cubic
+        for (Vec3d p : {a.frame.origin, a.frame.origin + a.tangent * third, b.frame.origin - b.tangent * third,
+                        b.frame.origin, b.frame.origin + b.tangent * tip})
+          axis.extend(p);
+        bounds.extend(axis.inflated(Vec3d(std::max(section + beyond, leaf))));
+      }
+    return bounds;
+  }
+
+  const WeberPennStep& step_;
+  const WeberPennParameters& p_;
+  const CellMesh& in_;
+};
 
 // One run of apply().
 class WeberPennStep::Application {
@@ -90,7 +205,7 @@ class WeberPennStep::Application {
     for (std::uint32_t f = 0; f < in_.mesh.face_count(); ++f) {
       const FaceOrigin& origin = in_.mesh.origins[in_.mesh.face_origins[f]];
       if (step_.grows(origin.symbol))
-        grow(f, origin);
+        grow(f);
       else
         keep(f);
       if (f < in_.owned_faces) out_.owned_faces = out_.mesh.face_count();
@@ -100,7 +215,7 @@ class WeberPennStep::Application {
     if (!in_.mesh.corner_sharpness.empty()) o.corner_sharpness.resize(o.corner_vertices.size(), 0);
     if (!in_.mesh.vertex_sharpness.empty()) o.vertex_sharpness.resize(o.positions.size(), 0);
     if (!in_.mesh.nominal_scale.empty()) o.nominal_scale.resize(o.positions.size());
-    if (!in_.mesh.frozen.empty()) o.frozen.resize(o.positions.size());
+    if (!in_.mesh.frozen.empty() || !o.frozen.empty()) o.frozen.resize(o.positions.size());
   }
 
  private:
@@ -166,33 +281,20 @@ class WeberPennStep::Application {
     o.add_face(face_, m.face_keys[f], origin);
   }
 
-  StemBud bud_of(std::uint32_t f, const FaceOrigin& origin) const {
-    const FaceFrame frame = face_frame(in_.mesh, f);
-    const Affine3d axes{frame.x, frame.y, frame.z, frame.origin};
-    const Key key = hash_keys(in_.mesh.face_keys[f], plant_.seed);
-    if (step_.level_ == 0) return trunk_bud(plant_.parameters, axes, key);
-    const auto& q = origin.parameters;
-    return {step_.level_, key, axes, q[bud_length], q[bud_base_radius], q[bud_children], q[bud_inset], q[bud_scale]};
-  }
-
-  double footprint_at(Vec3d root) const {
-    return in_.footprint ? std::max(plant_.footprint, in_.footprint->at(root)) : plant_.footprint;
-  }
-
-  void grow(std::uint32_t f, const FaceOrigin& origin) {
-    const Stem stem(plant_.parameters, bud_of(f, origin));
+  void grow(std::uint32_t f) {
+    const Stem stem(plant_.parameters, step_.bud_of(in_, f));
     const Draws draws(stem.bud().key);
     const PlantDetail detail = plant_detail(plant_.parameters, step_.level_, stem.bud().radius, stem.segment_length(),
-                                            footprint_at(stem.bud().frame.origin), plant_.is_smoothed);
+                                            step_.footprint_at(in_, stem.bud().frame.origin), plant_.is_smoothed);
     const std::uint32_t before = out_.mesh.face_count();
     grown_.begin_bud(in_.mesh.face_keys[f]);
     if (draws.uniform(shown) < detail.stem_share) mesh_stem(stem, plant_.parameters, detail.stem, plant_.bark, grown_);
-    stem.find_children(children_);
+    stem.find_children(children_, detail.child_share);
     for (const StemChild& child : children_)
-      if (!stem.bears_leaves())
-        add_bud(child.bud);
-      else if (Draws(child.bud.key).uniform(shown) < detail.leaf_share)
+      if (stem.bears_leaves())
         add_leaf(child, detail);
+      else
+        add_bud(child.bud);
     if (out_.mesh.face_count() == before) leave_bud(f);
   }
 
@@ -211,24 +313,29 @@ class WeberPennStep::Application {
     grown_.begin_bud(bud.key);
     grown_.set_origin(origin);
     const auto corners = bud_corners(bud.frame);
-    grown_.add_face(
-        {grown_.add_vertex(corners[0], {}), grown_.add_vertex(corners[1], {}), grown_.add_vertex(corners[2], {})});
+    const std::array vertices{grown_.add_vertex(corners[0], {}), grown_.add_vertex(corners[1], {}),
+                              grown_.add_vertex(corners[2], {})};
+    grown_.add_face(vertices, bud.key);
   }
 
   void add_leaf(const StemChild& leaf, const PlantDetail& detail) {
     const WeberPennParameters& p = plant_.parameters;
-    const bool in_full = Draws(leaf.bud.key).uniform(drawn_in_full) < detail.leaf_faces;
+    const bool in_full =
+        detail.leaf_faces >= 1 || Draws(leaf.bud.key).uniform(drawn_in_full) < detail.leaf_faces;
     const LeafShape& shape = in_full ? leaf_shape(p.leaf_shape) : simple_leaf_shape(p.leaf_shape);
     Affine3d frame = leaf.bud.frame;
     turn_to_light(frame, p.leaf_bend);
-    const double size = leaf.bud.length * detail.leaf_growth;
-    FaceOrigin origin{0, plant_.leaf_material, plant_.leaf_symbol, {float(leaf.place), float(size)}};
+    // Around the middle of the leaf that it grows from
+    frame.origin -= frame.z * (0.5 * (detail.leaf_length - leaf.bud.length));
+    FaceOrigin origin{0, plant_.leaf_material, plant_.leaf_symbol, {float(leaf.place), float(detail.leaf_length)}};
     grown_.begin_bud(leaf.bud.key);
     grown_.set_origin(origin);
+    const std::uint32_t first = grown_.face_count();
     vertices_.clear();
     for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
       const Vec3d v = shape.vertices[i];
-      const Vec3d at = frame.z * (v.y * size) + frame.y * (v.z * size) - frame.x * (v.x * size * p.leaf_scale_x);
+      const Vec3d at = frame.z * (v.y * detail.leaf_length) + frame.y * (v.z * detail.leaf_length) -
+                       frame.x * (v.x * detail.leaf_width);
       vertices_.push_back(grown_.add_vertex(frame.origin + at, shape.uv[i]));
     }
     for (std::uint32_t f = 0; f < shape.face_count(); ++f) {
@@ -236,6 +343,7 @@ class WeberPennStep::Application {
       for (std::uint32_t v : shape.face(f)) face_.push_back(vertices_[v]);
       grown_.add_face(face_);
     }
+    if (detail.are_cards) grown_.freeze(first);
   }
 
   const WeberPennStep& step_;
@@ -253,6 +361,14 @@ void WeberPennStep::apply(const CellMesh& in, int rings_after, CellMesh& out) co
   if (out.owned_faces < out.mesh.face_count()) trim_halo(out, rings_after);
 }
 
+std::optional<DerivedBounds> WeberPennStep::derive(const CellMesh& in, std::uint32_t face) const {
+  Derivation derivation(*this, in);
+  derivation.add(bud_of(in, face));
+  // The bud itself may remain as a speck; positions are rounded once a level
+  const double slack = bud_radius + 1e-9 * derivation.box.diagonal();
+  return DerivedBounds{derivation.box.inflated(Vec3d(slack)), plant_->parameters.levels - level_};
+}
+
 Extent WeberPennStep::bound(const Extent& e) const {
   Extent after = e;
   after.symbols.clear();
@@ -265,15 +381,21 @@ Extent WeberPennStep::bound(const Extent& e) const {
     const double length = level_ == 0 ? longest_trunk(p) : double(range.parameters[bud_length].upper);
     const double radius = level_ == 0 ? thickest_trunk(p) : double(range.parameters[bud_base_radius].upper);
     const StemReach reach = stem_reach(p, level_, length, radius);
-    const double section = cage_radius(4) * reach.radius * (1 + (level_ == 0 ? p.lobe_depth : 0));
+    const double section = most_section(p, level_) * reach.radius;
     const double segment = length / p.at(level_).curve_res;
     // A control point may lie beyond the axis by half the distance of rings, over 6; a tip by a fifth of it
-    const double child = is_last() ? reach.child_length * most_leaf_growth * leaf_shape(p.leaf_shape).reach *
-                                         std::max(p.leaf_scale_x, 1.0)
-                                   : bud_radius;
+    const double child = is_last() ? leaf_reach(p, longest_leaf(p), longest_leaf(p)) : bud_radius;
     const double distance = reach.axis + 0.2 * segment + std::max(2 * section, child);
     const double slack = 2 * quantum_.step() + 1e-9 * (distance + e.box.diagonal());
-    after.box.extend(e.box.inflated(Vec3d(distance + slack)));
+    Bounds3d box = e.box.inflated(Vec3d(distance + slack));
+    if (level_ == 0) {
+      // A trunk starts upright: it leans no more than all that it may bend and no further down than it is thick
+      const double aside = distance - (1 - std::sin(std::min(trunk_lean(p), pi / 2))) * length;
+      const double down = std::cos(std::min(trunk_lean(p), pi)) < 0 ? distance : distance - length;
+      box = {e.box.lower - Vec3d{aside, down, aside}, e.box.upper + Vec3d{aside, distance, aside}};
+      box = box.inflated(Vec3d(slack));
+    }
+    after.box.extend(box);
     after.edge = std::max({after.edge, 2 * segment + 4 * section + (reach.axis - length), 2 * child});
     after.u = outwards(std::min(after.u.lower, -0.5f), std::max(after.u.upper, 1.5f));
     after.v = outwards(std::min(double(after.v.lower), -section), std::max(double(after.v.upper), length + 1));

@@ -22,6 +22,9 @@ struct WeberPennPlant {
   bool is_smoothed = false;  // whether subdivision follows
   double footprint = 0;      // metres; what is smaller need not be drawn
   Key seed = 0;              // enters every random number
+
+  // By the key of its bud's face.
+  Key key_of_stem(Key bud) const { return hash_keys(bud, seed); }
 };
 
 constexpr int bud_parameter_count = 5;  // length, radius, children, inset, scale
@@ -35,14 +38,21 @@ class WeberPennStep final : public Step {
   std::uint32_t max_children(std::uint32_t corners) const override;  // about so many, for cutting cells
   void apply(const CellMesh& in, int rings_after, CellMesh& out) const override;
   Extent bound(const Extent& e) const override;
+  std::optional<DerivedBounds> derive(const CellMesh& in, std::uint32_t face) const override;
   bool grows(std::int32_t symbol) const override { return symbol == bud_symbol(level_); }
   std::string symbol_name(std::int32_t symbol) const override { return grows(symbol) ? "bud of " + name() : ""; }
   bool thins() const override { return true; }
-  double thinned_children(const FaceOrigin& bud, double footprint) const override;
+  double thinned_faces(const FaceOrigin& bud, double footprint, double refined) const override;
   void set_quantum(const Quantum& quantum) override { quantum_ = quantum; }
 
  private:
   class Application;
+  class Derivation;
+  double expected_faces(int level, double length, double radius, double footprint, double refined) const;
+  StemBud bud_of(const CellMesh& in, std::uint32_t face) const;
+  double footprint_at(const CellMesh& in, Vec3d root) const {
+    return in.footprint ? std::max(plant_->footprint, in.footprint->at(root)) : plant_->footprint;
+  }
   std::int32_t bud_symbol(int level) const { return plant_->bud_symbols[std::size_t(level)]; }
   bool is_last() const { return level_ + 1 == plant_->parameters.levels; }
 

@@ -104,7 +104,7 @@ Bounds3f individual_bounds(const Part& part, Key individual) {
   return bounds.inflated(Vec3f(margin * bounds.diagonal()));
 }
 
-double farthest(const Bounds3f& b) { return length(max(abs(Vec3d(b.lower)), abs(Vec3d(b.upper)))); }
+double farthest(double lower, double upper) { return std::max(std::abs(lower), std::abs(upper)); }
 
 }  // namespace
 
@@ -129,6 +129,8 @@ ScatterSettings read_scatter_settings(Params& params) {
   s.sink = params.real("sink", 0, {-1e6, 1e6, "m"}, "how far each stands below the ground, times its scale");
   s.variants = params.integer("variants", 0, {0, 1 << 20, ""},
                               "individuals of each kind; 0: no two are alike (then nothing of them is shared)");
+  s.distinct = params.real("distinct", 0, {0, 1e6, "pixels"},
+                           "no two that are seen larger than this are alike; smaller ones are variants; 0: all are");
   return s;
 }
 
@@ -140,20 +142,34 @@ Scatter::Scatter(ScatterSettings settings, std::vector<Choice> choices, Key seed
   anywhere[slot_n] = IntervalValue::unit_vector();
   anywhere[slot_u] = anywhere[slot_v] = IntervalValue::scalar(-inf, inf);
   const Interval scale = settings_.scale->evaluate_bounds(anywhere).x;
-  const double largest = std::max(std::abs(double(scale.lower)), std::abs(double(scale.upper)));
+  const double largest = farthest(double(scale.lower), double(scale.upper));
+  const bool is_upright = settings_.align == 0 && scale.lower >= 0;
   constexpr double most_scale = 1e6;
   if (!(largest <= most_scale)) throw std::runtime_error("the scale has no upper bound: wrap it in clamp(..., lo, hi)");
   measure_variants();
   for (const Choice& c : choices_) {
     total_weight_ += c.weight;
-    double reach = known_bounds_.empty() ? farthest(c.part->bounds) : 0;
-    for (const Bounds3f& b : known_bounds_) reach = std::max(reach, farthest(b));
-    reach_ = std::max(reach_, largest * (reach + std::abs(settings_.sink)));
+    if (known_bounds_.empty()) reach_.extend(reach_of(c.part->bounds, largest, is_upright));
   }
+  for (const Bounds3f& b : known_bounds_) reach_.extend(reach_of(b, largest, is_upright));
+}
+
+// Where a part with those bounds may lie around the place where it stands: turned about the vertical, or any way.
+Bounds3f Scatter::reach_of(const Bounds3f& b, double largest, bool is_upright) const {
+  const double sink = std::abs(settings_.sink);
+  const double aside =
+      std::hypot(farthest(double(b.lower.x), double(b.upper.x)), farthest(double(b.lower.z), double(b.upper.z)));
+  const double any = std::hypot(aside, farthest(double(b.lower.y), double(b.upper.y))) + sink;
+  Bounds3d reach{Vec3d{-aside, double(b.lower.y) - sink, -aside}, Vec3d{aside, double(b.upper.y) + sink, aside}};
+  if (!is_upright) reach = {Vec3d(-any), Vec3d(any)};
+  reach.extend(Vec3d{});
+  return round_outwards(Bounds3d{reach.lower * largest, reach.upper * largest});
 }
 
 void Scatter::measure_variants() {
-  if (settings_.variants > most_variants_measured) return;
+  const bool are_derived =
+      std::any_of(choices_.begin(), choices_.end(), [](const Choice& c) { return c.part->derives; });
+  if (settings_.variants > most_variants_measured || are_derived) return;
   for (const Choice& c : choices_)
     for (int i = 0; i < settings_.variants; ++i) known_bounds_.push_back(individual_bounds(*c.part, variant(i)));
 }
@@ -196,12 +212,15 @@ Placement Scatter::placement(Vec3d position, Vec3d normal, double scale, Key key
   p.part = choice.part;
   p.to_parent = Affine3d::translation(position - axis * (settings_.sink * scale)) *
                 standing(axis == Vec3d{} ? up : axis) * Affine3d::rotation(up, turn) * Affine3d::scaling(Vec3d(scale));
-  p.is_shared = settings_.variants > 0;
-  if (!p.is_shared) {
-    p.individual = key;
+  p.individual = key;
+  if (settings_.variants == 0) return p;
+  const int index = int(uniform_double(hash_keys(key, what_variant)) * settings_.variants);
+  if (settings_.distinct > 0) {
+    p.stand_in = variant(index);
+    p.stand_in_below = settings_.distinct;
     return p;
   }
-  const int index = int(uniform_double(hash_keys(key, what_variant)) * settings_.variants);
+  p.is_shared = true;
   p.individual = variant(index);
   if (!known_bounds_.empty())
     p.known_bounds =

@@ -22,6 +22,7 @@ struct ScatterSettings {
   double turn = 360;                          // degrees: each is turned about its axis by a random part of it
   double sink = 0;                            // metres that each stands below the ground, times its scale
   int variants = 0;                           // 0: every part is an individual of its own
+  double distinct = 0;                        // pixels: what is seen larger is one of its own in spite of variants
 };
 
 // The variables of density and scale: P, N, u, v of the ground.
@@ -39,20 +40,21 @@ class Scatter final : public Placer {
   Scatter(ScatterSettings settings, std::vector<Choice> choices, Key seed);
 
   void place(const CellMesh& ground, Key individual, std::vector<Placement>& placements) const override;
-  double reach() const override { return reach_; }
+  Bounds3f reach() const override { return reach_; }
 
  private:
   const Choice& choose(double random) const;
   Key variant(int index) const;
   void measure_variants();
+  Bounds3f reach_of(const Bounds3f& part, double largest, bool is_upright) const;
   Placement placement(Vec3d position, Vec3d normal, double scale, Key key) const;
 
   const ScatterSettings settings_;
   const std::vector<Choice> choices_;
   const Key seed_;
   double total_weight_ = 0;
-  std::vector<Bounds3f> known_bounds_;  // of every choice's variants, if these are few
-  double reach_ = 0;
+  std::vector<Bounds3f> known_bounds_;  // of every choice's variants, if these are few and are not derived anyway
+  Bounds3f reach_;
 };
 
 }  // namespace meristem

@@ -56,19 +56,39 @@ Drawn drawn_at(double range) {
   return d;
 }
 
-TEST(PlantDetail, ATreeThinsByTheTableAndKeepsItsCover) {
+TEST(PlantDetail, ATreeThinsAndKeepsItsFoliage) {
   const Drawn full = drawn_at(0);
   EXPECT_NEAR(full.leaves, 22500, 1000);
   double faces = full.faces;
-  for (const double range : {30.0, 120.0, 240.0, 600.0, 2000.0}) {
+  for (const double range : {30.0, 120.0, 240.0, 600.0, 2000.0, 8000.0}) {
     const Drawn d = drawn_at(range);
-    const double share = range <= 600 ? degradation::leaf_points(range, 200) : 1.0 / 9;
-    EXPECT_NEAR(d.leaves / full.leaves, share, 0.03) << range;
-    EXPECT_NEAR(d.leaf_area / full.leaf_area, 1, 0.1) << range;
+    const double share = kept_share(parameters_of(R"("species": "quaking_aspen")"), 3, range * to_radians(60) / 1000);
+    EXPECT_LE(share, degradation::leaf_points(range, 200));
+    EXPECT_NEAR(d.leaves / full.leaves, share, 0.02 + 0.1 * share) << range;
     EXPECT_LE(d.faces, faces) << range;
     faces = d.faces;
   }
-  EXPECT_LT(faces, 0.06 * full.faces);
+}
+
+std::uint64_t final_faces(const Model& model, CellMesh cell, int level) {
+  const Expansion e = expand(model, std::move(cell), level);
+  if (e.leaf) return e.leaf->face_count;
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < e.inner->child_count(); ++i)
+    sum += final_faces(model, child_cell(model, *e.inner, i), e.inner->level);
+  return sum;
+}
+
+TEST(PlantDetail, TheFurtherATreeTheFewerItsFacesDownToSomeTens) {
+  for (const PlantSpecies& species : plant_species()) {
+    const auto model = tree_model(fmt::format(R"("species": "{}")", species.name), 1, 1);
+    for (const auto& [pixels, most] : {std::pair{40.0, 6000u}, {10.0, 1200u}, {3.0, 300u}}) {
+      const ConstantFootprint seen(species.parameters.scale / pixels);
+      const std::uint64_t faces = final_faces(*model, root_cell(*model, &seen), 0);
+      EXPECT_LE(faces, most) << species.name << " " << pixels;
+      EXPECT_GE(faces, 12u) << species.name << " " << pixels;
+    }
+  }
 }
 
 }  // namespace

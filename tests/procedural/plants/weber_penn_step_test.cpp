@@ -96,26 +96,38 @@ void add_surface(const Tessellation& t, std::vector<Triangle>& all) {
       }
 }
 
+double half_area(const Bounds3f& b) {
+  const Vec3d s(b.size());
+  return s.x * s.y + s.y * s.z + s.z * s.x;
+}
+
 struct Walk {
   std::vector<Triangle> surface;
   int cells = 0, outside = 0;
+  Bounds3f bounds;  // of the surface
 };
 
-void walk(const Model& model, CellMesh cell, int level, const Bounds3f& bounds, Walk& result) {
+// Returns the bounds of the surface that comes of the cell.
+Bounds3f walk(const Model& model, CellMesh cell, int level, const Bounds3f& bounds, Walk& result) {
   ++result.cells;
   const Expansion e = expand(model, std::move(cell), level);
+  Bounds3f real;
   if (e.leaf) {
-    result.outside += !bounds.contains(e.leaf->bounds());
-    return add_surface(*e.leaf, result.surface);
+    real = e.leaf->bounds();
+    add_surface(*e.leaf, result.surface);
+  } else {
+    for (std::size_t i = 0; i < e.inner->child_count(); ++i)
+      real.extend(walk(model, child_cell(model, *e.inner, i), e.inner->level, e.inner->child_bounds[i], result));
   }
-  for (std::size_t i = 0; i < e.inner->child_count(); ++i) {
-    walk(model, child_cell(model, *e.inner, i), e.inner->level, e.inner->child_bounds[i], result);
-  }
+  result.outside += !bounds.contains(real);
+  return real;
 }
 
-Walk walk_whole(const Model& model) {
+Walk walk_whole(const Model& model, const Footprint* footprint = nullptr, Key individual = 0) {
   Walk result;
-  walk(model, root_cell(model), 0, model_bounds(model), result);
+  const Bounds3f derived = model_bounds(model, footprint, individual);
+  EXPECT_TRUE(model_bounds(model).contains(derived));
+  result.bounds = walk(model, root_cell(model, footprint, individual), 0, derived, result);
   std::sort(result.surface.begin(), result.surface.end());
   return result;
 }
@@ -134,6 +146,26 @@ TEST(WeberPennStep, GrowsTheSameBitsInWhateverCellsAndInsideItsBounds) {
       cells += cut.cells;
     }
   EXPECT_GT(cells, 500);
+}
+
+TEST(WeberPennStep, BoundsOfIndividualsContainAndAreClose) {
+  for (const PlantSpecies& species : plant_species()) {
+    if (expected_children(species.parameters, 3) > 100) continue;  // a willow takes a second
+    double box = 0, real = 0;
+    const auto model = tree_model(fmt::format(R"("species": "{}")", species.name), 0, 1);
+    for (const double footprint : {0.3, 2.0, 20.0}) {
+      const ConstantFootprint seen(footprint);
+      for (Key individual = 1; individual < 3; ++individual) {
+        const Walk tree = walk_whole(*model, &seen, individual);
+        EXPECT_EQ(tree.outside, 0) << species.name << " " << footprint;
+        if (footprint > 1) continue;
+        const Bounds3f bounds = model_bounds(*model, &seen, individual);
+        box += half_area(bounds);
+        real += half_area(tree.bounds);
+      }
+    }
+    EXPECT_LT(box, 1.5 * real) << species.name;
+  }
 }
 
 TEST(WeberPennStep, PlacementReadsTheRadiusOfTheStem) {

@@ -113,8 +113,8 @@ TEST(Scatter, NothingReachesBeyondItsReach) {
   for (const Placement& p : placed(scatter, meadow())) {
     const Bounds3f& b = p.part->bounds;
     const Bounds3d there = p.to_parent.bounds(Bounds3d{Vec3d(b.lower), Vec3d(b.upper)});
-    EXPECT_LT(-there.lower.y, scatter.reach());
-    EXPECT_LT(there.upper.y, scatter.reach());
+    EXPECT_LT(scatter.reach().lower.y, there.lower.y);
+    EXPECT_GT(scatter.reach().upper.y, there.upper.y);
   }
 }
 
