@@ -13,6 +13,10 @@ constexpr Key ribbon_turn = hash_text("ribbon turn");
 // 0 at whole numbers, 1 half way between.
 double mirrored_cycle(double x) { return 1 - std::abs(1 - 2 * (x - std::floor(x))); }
 
+double half_ribbon(const Stem& stem, const StemDetail& detail, double radius) {
+  return std::min(ribbon_width * detail.widening * radius, widest_ribbon * stem.bud().length);
+}
+
 // Vertices of a cross-section by label: label i looks into the direction at i / sides of a turn from the ring's x.
 using Ring = std::array<std::uint32_t, most_sides>;
 
@@ -93,7 +97,7 @@ class StemMesher {
       const StemNode &from = piece.nodes.front(), &to = piece.nodes.back();
       const Vec3d across = from.frame.x * std::cos(turn) + from.frame.y * std::sin(turn);
       const double z0 = piece.first_segment * z_scale, z1 = z0 + double(piece.nodes.size() - 1) * z_scale;
-      const Vec3d side0 = across * (ribbon_width * detail_.widening * stem_.flared_radius_at(z0));
+      const Vec3d side0 = across * half_ribbon(stem_, detail_, stem_.flared_radius_at(z0));
       set_origin(0.5 * (z0 + z1));
       const std::uint32_t a = out_.add_vertex(from.frame.origin - side0, {0, z0});
       const std::uint32_t b = out_.add_vertex(from.frame.origin + side0, {1, z0});
@@ -101,7 +105,7 @@ class StemMesher {
         out_.add_face({a, b, out_.add_vertex(to.frame.origin, {0.5, z1})});
         continue;
       }
-      const Vec3d side1 = across * (ribbon_width * detail_.widening * stem_.flared_radius_at(z1));
+      const Vec3d side1 = across * half_ribbon(stem_, detail_, stem_.flared_radius_at(z1));
       const std::uint32_t c = out_.add_vertex(to.frame.origin + side1, {1, z1});
       const std::uint32_t d = out_.add_vertex(to.frame.origin - side1, {0, z1});
       out_.add_face({a, b, c, d});
@@ -348,7 +352,7 @@ double most_section(const Stem& stem, const WeberPennParameters& p, const StemDe
   for (const StemPiece& piece : stem.pieces()) stems = std::max(stems, piece.next.size());
   const double outline =
       cage_radius(4) * (1 + 0.45 * double(stems - 1)) * (stem.bud().level == 0 ? 1 + p.lobe_depth : 1);
-  return (detail.is_ribbon ? ribbon_width : outline) * detail.widening * radius;
+  return detail.is_ribbon ? half_ribbon(stem, detail, radius) : outline * detail.widening * radius;
 }
 
 double faces_of_segment(const StemDetail& detail) { return detail.sides * (0.5 + 0.5 * detail.most_rings); }

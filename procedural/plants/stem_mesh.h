@@ -40,6 +40,8 @@ void mesh_stem(const Stem& stem, const WeberPennParameters& p, const StemDetail&
 
 // Half the width of a ribbon, in radii: turned at random, it covers as much as the stem.
 constexpr double ribbon_width = pi / 2;
+// It is no wider than twice this part of the stem's length.
+constexpr double widest_ribbon = 0.12;
 // Of a ring of control points, so that the smooth surface has radius 1.
 double cage_radius(std::uint32_t sides);
 // How far the surface of a stem that is no thicker than `radius` may lie from its axis.

@@ -38,10 +38,10 @@ double trunk_lean(const WeberPennParameters& p) {
   return to_radians(bend + level.curve_v + level.bend_v);
 }
 
-// Whatever the footprint, in radii: where few remain, these are wide.
-double most_section(const WeberPennParameters& p, int level) {
-  const double tube = cage_radius(4) * (1 + (level == 0 ? p.lobe_depth : 0));
-  return std::max(tube, ribbon_width / kept_share(p, level, INFINITY));
+// How far the surface of a stem may lie from its axis, whatever the footprint.
+double most_section(const WeberPennParameters& p, int level, double length, double radius) {
+  const double tube = cage_radius(4) * (1 + (level == 0 ? p.lobe_depth : 0)) * radius;
+  return std::max(tube, widest_ribbon * length);
 }
 
 Interval outwards(double lower, double upper) {
@@ -141,7 +141,8 @@ class WeberPennStep::Derivation {
     const double segment = length / p_.at(level).curve_res;
     const StemReach reach = stem_reach(p_, level, length, radius);
     const PlantDetail detail = detail_of(level, radius, segment, footprint);
-    const double section = ribbon_width * (1 + (level == 0 ? p_.lobe_depth : 0)) * reach.radius * detail.stem.widening;
+    const double section =
+        most_section(p_, level, length, reach.radius * (detail.stem.is_ribbon ? 1 : detail.stem.widening));
     const double beyond = level + 1 == p_.levels ? leaf_reach(p_, detail.leaf_length, detail.leaf_width)
                                                  : reach_of_all(level + 1, reach.child_length, radius, footprint);
     return reach.axis + 0.2 * segment + std::max(2 * section, beyond);
@@ -320,8 +321,7 @@ class WeberPennStep::Application {
 
   void add_leaf(const StemChild& leaf, const PlantDetail& detail) {
     const WeberPennParameters& p = plant_.parameters;
-    const bool in_full =
-        detail.leaf_faces >= 1 || Draws(leaf.bud.key).uniform(drawn_in_full) < detail.leaf_faces;
+    const bool in_full = detail.leaf_faces >= 1 || Draws(leaf.bud.key).uniform(drawn_in_full) < detail.leaf_faces;
     const LeafShape& shape = in_full ? leaf_shape(p.leaf_shape) : simple_leaf_shape(p.leaf_shape);
     Affine3d frame = leaf.bud.frame;
     turn_to_light(frame, p.leaf_bend);
@@ -381,7 +381,7 @@ Extent WeberPennStep::bound(const Extent& e) const {
     const double length = level_ == 0 ? longest_trunk(p) : double(range.parameters[bud_length].upper);
     const double radius = level_ == 0 ? thickest_trunk(p) : double(range.parameters[bud_base_radius].upper);
     const StemReach reach = stem_reach(p, level_, length, radius);
-    const double section = most_section(p, level_) * reach.radius;
+    const double section = most_section(p, level_, length, reach.radius);
     const double segment = length / p.at(level_).curve_res;
     // A control point may lie beyond the axis by half the distance of rings, over 6; a tip by a fifth of it
     const double child = is_last() ? leaf_reach(p, longest_leaf(p), longest_leaf(p)) : bud_radius;
