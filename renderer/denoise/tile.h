@@ -7,7 +7,7 @@ namespace meristem::denoise {
 constexpr int tile_width = 32, tile_height = 16;
 
 // The window whose pixels contribute to the one in its middle, and the patches by which they are compared.
-constexpr int window_radius = 9, patch_radius = 3;
+constexpr int window_radius = 9, patch_radius = 2;
 constexpr int window_side = 2 * window_radius + 1, window_size = window_side * window_side;
 
 struct Tile {
