@@ -20,9 +20,8 @@ namespace meristem {
 namespace {
 
 constexpr const char* footer =
-    "Exit codes: 0 done, 1 internal error, 2 usage or scene error, 3 limit reached\n"
-    "or render faults (image written), 4 file error, 130 and 143 interrupted (image\n"
-    "so far written; a second Ctrl-C within two seconds ends at once).";
+    "Exit codes: 0 done, 1 internal error, 2 usage or scene, 3 limit or render fault\n"
+    "(image written), 4 file, 130 and 143 interrupted (image so far written).";
 
 // The program's options and where their values go.
 class CommandLine {

@@ -146,9 +146,9 @@ void add_scene_options(CLI::App& app, RenderOptions& o) {
       "BYTES");
   static const std::map<std::string, RayOrder> orders{
       {"depth-first", RayOrder::DepthFirst}, {"queued", RayOrder::Queued}, {"auto", RayOrder::Auto}};
-  add(app.add_option("--ray-order", o.load.ray_order, "each path at once; many wait for the same cells")
+  add(app.add_option("--ray-order", o.load.ray_order, "depth-first, queued or auto: do rays wait for cells")
           ->transform(CLI::CheckedTransformer(orders).description("")),
-      "depth-first|queued|auto");
+      "ORDER");
   add(add_parsed(app, "--queue-memory", "", "of rays that wait for cells: 128M",
                  [&o](const std::string& t) { o.load.queue_bytes = parse_memory(t); }),
       "BYTES");

@@ -135,7 +135,7 @@ def check_trace(trace, figures):
 
 def check_comparison(meristem, scene, folder):
     page = folder / "c.html"
-    options = ["--size", "32x20", "--samples", "1", "--threads", "2"]
+    options = ["--size", "128x80", "--samples", "1", "--threads", "2"]
     run(meristem, "compare", scene, "-o", page, "--budgets", "60%", *options)
     found = look_at(page, folder)
     check_drawn(found, 2, ["words", "variants", "budgets", "memory", "images", "method"])
