@@ -4,7 +4,7 @@
 // (weights.h).
 //
 // Deterministic for any number of threads; uses all of TBB's. About 10 s of processor time for 1280 x 720 pixels. Input
-// without noise comes out as it is.
+// without noise comes out as it is, to 1e-3.
 #pragma once
 
 #include "renderer/film/film.h"
