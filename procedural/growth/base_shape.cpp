@@ -15,7 +15,7 @@ void copy_faces(const NamedFaces& faces, const BaseContext& context, Mesh& mesh)
     mesh.add_vertex(faces.vertices[v], hash_keys(vertex_salt, v));
   for (std::uint32_t f = 0; f < faces.face_count(); ++f) {
     const Key key = hash_keys(face_salt, f);
-    mesh.origins.push_back({key, context.material, -1, {}});
+    mesh.origins.push_back({key, context.material, -1, context.production, {}});
     mesh.add_face(faces.face(f), key, f);
   }
   mesh.corner_uv = faces.corner_uv;

@@ -27,7 +27,9 @@ struct BaseContext {
   std::int32_t material = -1;
   std::string folder = {};  // of the scene's assets
   std::function<int(const std::string& name, const Location& where)> material_index =
-      {};  // reports unknown names itself
+      {};                                    // reports unknown names itself
+  std::uint16_t production = no_production;  // that stands for the base itself
+  ProductionNumber production_number = no_production_numbers;
 };
 
 class BaseShape {

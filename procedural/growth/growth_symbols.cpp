@@ -5,8 +5,15 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 
 namespace meristem {
+
+namespace {
+
+constexpr int most_symbols = std::numeric_limits<decltype(FaceOrigin::symbol)>::max();
+
+}  // namespace
 
 int GrowthSymbols::find(std::string_view name) const {
   for (std::size_t i = 0; i < entries_.size(); ++i)
@@ -22,7 +29,11 @@ int GrowthSymbols::use(const std::string& name, int parameter_count, const Locat
                                            parameter_count, max_growth_parameters));
       return -1;
     }
-    entries_.push_back({name, parameter_count, where, -1});
+    if (size() == most_symbols) {
+      diagnostics.error(where, fmt::format("a model has at most {} symbols", most_symbols));
+      return -1;
+    }
+    entries_.push_back({name, parameter_count, where});
     return size() - 1;
   }
   const Entry& e = entry(known);
@@ -134,7 +145,7 @@ Successor::Successor(const std::string& text, const Location& quote, const Symbo
 }
 
 void Successor::evaluate(std::span<const Vec3f> values, Key key, Key salt, FaceOrigin& origin) const {
-  origin.symbol = symbol_;
+  origin.symbol = std::int16_t(symbol_);
   origin.parameters = {};
   if (symbol_ < 0) return;
   for (std::size_t i = 0; i < arguments_.size(); ++i) {

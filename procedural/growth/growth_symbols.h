@@ -10,6 +10,7 @@
 #include "geometry/fields/expression.h"
 #include "geometry/mesh/mesh.h"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,8 +23,9 @@ class GrowthSymbols {
   struct Entry {
     std::string name;
     int parameter_count = 0;
-    Location first;      // where it was first named
-    int last_rule = -1;  // the model's last grow step (counted over all of them) with a rule for it; -1: a terminal
+    Location first;       // where it was first named
+    int last_rule = -1;   // the model's last grow step (counted over all of them) with a rule for it; -1: a terminal
+    int productions = 0;  // that steps have for it so far
   };
 
   int size() const { return int(entries_.size()); }
@@ -35,12 +37,20 @@ class GrowthSymbols {
   int use(const std::string& name, int parameter_count, const Location& where, Diagnostics& diagnostics);
   // Notes that the grow step of that index has a rule for the symbol.
   void add_rule(int symbol, int step);
+  // A number for another production of the symbol, in the order in which they stand in the file, from 0.
+  int number_production(int symbol) { return entries_[std::size_t(symbol)].productions++; }
   // Warns of terminals whose name is near that of a symbol with a rule. Called once after all steps are read.
   void report_terminals(Diagnostics& diagnostics) const;
 
  private:
   std::vector<Entry> entries_;
 };
+
+// The number, over the whole scene, under which faces remember what made them (FaceOrigin::production), by what the
+// model calls it: "shoot[2]", the third production of that symbol.
+using ProductionNumber = std::function<std::uint16_t(const std::string& name)>;
+// For whoever does not want to know.
+inline std::uint16_t no_production_numbers(const std::string&) { return no_production; }
 
 // "name(a, b)" taken apart: a name and the texts between the commas of the outermost parentheses.
 struct SymbolText {

@@ -47,9 +47,9 @@ struct CommonParams {
 
 }  // namespace
 
-Production::Production(const Value& rule, const std::string& head, const Symbols& variables, GrowContext& context,
-                       Diagnostics& diagnostics)
-    : location_(rule.location) {
+Production::Production(const Value& rule, const std::string& head, std::uint16_t number, const Symbols& variables,
+                       GrowContext& context, Diagnostics& diagnostics)
+    : location_(rule.location), number_(number) {
   if (rule.kind != Value::Kind::Object) {
     diagnostics.error(rule.location, fmt::format("expected a rule as an object, found {}", rule.kind_name()));
     return;
@@ -137,6 +137,7 @@ FaceOrigin Production::origin(int name, const FaceOrigin& parent, std::span<cons
   FaceOrigin origin;
   origin.key = new_key;
   origin.material = material_ >= 0 ? material_ : parent.material;
+  origin.production = number_;
   // Keyed by the parent and the face's own key: faces of one name draw apart
   successor(name).evaluate(values, hash_keys(parent_key, new_key), hash_keys(salt, successor_salt), origin);
   return origin;
@@ -197,7 +198,8 @@ void GrowthRules::read_rule(const Member& rule, int last_step, GrowContext& cont
   const Symbols variables = rule_variables(parameters);
   std::vector<Production>& list = by_symbol_[std::size_t(symbol)];
   const auto add = [&](const Value& v) {
-    Production p(v, rule.key, variables, context, diagnostics);
+    const std::string name = fmt::format("{}[{}]", head->name, context.symbols->number_production(symbol));
+    Production p(v, rule.key, context.production_number(name), variables, context, diagnostics);
     if (p.valid()) list.push_back(std::move(p));
   };
   if (rule.value.kind != Value::Kind::Array) return add(rule.value);

@@ -25,14 +25,16 @@ struct GrowContext {
   Key seed = 0;                            // of the model: enters every random number, no key
   std::function<int(const std::string& name, const Location& where)> material_index;  // reports unknown names itself
   std::string folder = {};                                                            // of the scene's assets
+  ProductionNumber production_number = no_production_numbers;
   int next_step = 0;  // grow steps made so far; names each step in the keys
 };
 
 class Production {
  public:
-  // Reads `rule`, an object; `head` names it in messages ("shoot(len)"). valid() tells whether it can be used.
-  Production(const Value& rule, const std::string& head, const Symbols& variables, GrowContext& context,
-             Diagnostics& diagnostics);
+  // Reads `rule`, an object; `head` names it in messages ("shoot(len)"), `number` on faces that it makes. valid() tells
+  // whether it can be used.
+  Production(const Value& rule, const std::string& head, std::uint16_t number, const Symbols& variables,
+             GrowContext& context, Diagnostics& diagnostics);
   // For the manual: what a rule may say besides its template's own parameters.
   static ComponentInfo info();
 
@@ -63,6 +65,7 @@ class Production {
   BoundTemplate part_;
   std::vector<Successor> successors_;  // one a name of the template
   int material_ = -1;                  // -1: that of the replaced face
+  std::uint16_t number_ = no_production;
   float crease_ = 0;
   bool valid_ = false;
 };

@@ -113,7 +113,7 @@ class StemMesher {
   }
 
   void set_origin(double z) {
-    FaceOrigin origin{0, faces_.material, faces_.symbol, {}};
+    FaceOrigin origin{0, faces_.material, faces_.symbol, faces_.production, {}};
     origin.parameters[0] = float(stem_.bud().level);
     origin.parameters[1] = float(stem_.radius_at(z));
     origin.parameters[2] = float(stem_.bud().length);

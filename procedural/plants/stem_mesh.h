@@ -29,10 +29,11 @@ struct StemDetail {
   bool is_ribbon = false;    // one face from each fork to the next or to a tip, for stems that are thinner than a pixel
 };
 
-// What the faces of stems carry: symbol and material; parameters are level, radius of the stem here, length of the
-// stem.
+// What the faces of stems carry; parameters are level, radius of the stem here, length of the stem.
 struct StemFaces {
-  std::int32_t symbol = -1, material = -1;
+  std::int32_t material = -1;
+  std::int16_t symbol = -1;
+  std::uint16_t production = no_production;
 };
 
 void mesh_stem(const Stem& stem, const WeberPennParameters& p, const StemDetail& detail, const StemFaces& faces,

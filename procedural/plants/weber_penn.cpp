@@ -36,12 +36,15 @@ class WeberPenn : public BaseShape {
     plant->footprint = footprint_;
     plant->seed = context.seed;
     const auto use = [&](const std::string& name, int count) {
-      return context.symbols.use(name, count, trunk_.location, context.diagnostics);
+      return std::int16_t(context.symbols.use(name, count, trunk_.location, context.diagnostics));
     };
     for (int level = 0; level < parameters_.levels; ++level)
       plant->bud_symbols.push_back(use(bud_name(level), bud_parameter_count));
-    plant->bark = {use("stem", 3), context.material};
+    const std::int16_t stem_symbol = use("stem", 3);
+    for (int level = 0; level < parameters_.levels; ++level)
+      plant->stems.push_back({context.material, stem_symbol, context.production_number(stems_name(level))});
     plant->leaf_symbol = use("leaf", 2);
+    plant->leaf_production = context.production_number("leaves");
     plant->leaf_material = context.material;
     if (!leaf_material_.empty() && context.material_index)
       plant->leaf_material = context.material_index(leaf_material_, leaf_material_location_);

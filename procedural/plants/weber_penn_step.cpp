@@ -55,13 +55,15 @@ std::array<Vec3d, 3> bud_corners(const Affine3d& frame) {
   return {frame.origin + along - across, frame.origin + along + across, frame.origin - frame.x * bud_radius};
 }
 
+std::string stems_name(int level) {
+  static constexpr const char* names[] = {"trunk", "branches", "twigs"};
+  return level < 3 ? names[level] : fmt::format("twigs {}", level - 1);
+}
+
 WeberPennStep::WeberPennStep(std::shared_ptr<const WeberPennPlant> plant, int level)
     : plant_(std::move(plant)), level_(level) {}
 
-std::string WeberPennStep::name() const {
-  static constexpr const char* names[] = {"trunk", "branches", "twigs"};
-  return level_ < 3 ? names[level_] : fmt::format("twigs {}", level_ - 1);
-}
+std::string WeberPennStep::name() const { return stems_name(level_); }
 
 std::uint32_t WeberPennStep::max_children(std::uint32_t) const {
   const WeberPennParameters& p = plant_->parameters;
@@ -289,7 +291,7 @@ class WeberPennStep::Application {
                                             step_.footprint_at(in_, stem.bud().frame.origin), plant_.is_smoothed);
     const std::uint32_t before = out_.mesh.face_count();
     grown_.begin_bud(in_.mesh.face_keys[f]);
-    if (draws.uniform(shown) < detail.stem_share) mesh_stem(stem, plant_.parameters, detail.stem, plant_.bark, grown_);
+    if (draws.uniform(shown) < detail.stem_share) mesh_stem(stem, plant_.parameters, detail.stem, stems(), grown_);
     stem.find_children(children_, detail.child_share);
     for (const StemChild& child : children_)
       if (stem.bears_leaves())
@@ -298,6 +300,8 @@ class WeberPennStep::Application {
         add_bud(child.bud);
     if (out_.mesh.face_count() == before) leave_bud(f);
   }
+
+  const StemFaces& stems() const { return plant_.stems[std::size_t(step_.level_)]; }
 
   // Where nothing of it is drawn, the triangle stays, a speck that nothing grows on.
   void leave_bud(std::uint32_t f) {
@@ -309,7 +313,7 @@ class WeberPennStep::Application {
   }
 
   void add_bud(const StemBud& bud) {
-    FaceOrigin origin{0, plant_.bark.material, step_.bud_symbol(bud.level), {}};
+    FaceOrigin origin{0, stems().material, step_.bud_symbol(bud.level), stems().production, {}};
     parameters_of(bud, origin);
     grown_.begin_bud(bud.key);
     grown_.set_origin(origin);
@@ -327,7 +331,11 @@ class WeberPennStep::Application {
     turn_to_light(frame, p.leaf_bend);
     // Around the middle of the leaf that it grows from
     frame.origin -= frame.z * (0.5 * (detail.leaf_length - leaf.bud.length));
-    FaceOrigin origin{0, plant_.leaf_material, plant_.leaf_symbol, {float(leaf.place), float(detail.leaf_length)}};
+    FaceOrigin origin{0,
+                      plant_.leaf_material,
+                      plant_.leaf_symbol,
+                      plant_.leaf_production,
+                      {float(leaf.place), float(detail.leaf_length)}};
     grown_.begin_bud(leaf.bud.key);
     grown_.set_origin(origin);
     const std::uint32_t first = grown_.face_count();

@@ -16,9 +16,11 @@ namespace meristem {
 // What the steps of one tree share.
 struct WeberPennPlant {
   WeberPennParameters parameters;
-  std::vector<std::int32_t> bud_symbols;  // by level
-  StemFaces bark;
-  std::int32_t leaf_symbol = -1, leaf_material = -1;
+  std::vector<std::int16_t> bud_symbols;  // by level
+  std::vector<StemFaces> stems;           // by level
+  std::int32_t leaf_material = -1;
+  std::int16_t leaf_symbol = -1;
+  std::uint16_t leaf_production = no_production;
   bool is_smoothed = false;  // whether subdivision follows
   double footprint = 0;      // metres; what is smaller need not be drawn
   Key seed = 0;              // enters every random number
@@ -26,6 +28,9 @@ struct WeberPennPlant {
   // By the key of its bud's face.
   Key key_of_stem(Key bud) const { return hash_keys(bud, seed); }
 };
+
+// What stems of a level are called: "trunk", "branches", ...
+std::string stems_name(int level);
 
 constexpr int bud_parameter_count = 5;  // length, radius, children, inset, scale
 
@@ -53,7 +58,7 @@ class WeberPennStep final : public Step {
   double footprint_at(const CellMesh& in, Vec3d root) const {
     return in.footprint ? std::max(plant_->footprint, in.footprint->at(root)) : plant_->footprint;
   }
-  std::int32_t bud_symbol(int level) const { return plant_->bud_symbols[std::size_t(level)]; }
+  std::int16_t bud_symbol(int level) const { return plant_->bud_symbols[std::size_t(level)]; }
   bool is_last() const { return level_ + 1 == plant_->parameters.levels; }
 
   std::shared_ptr<const WeberPennPlant> plant_;

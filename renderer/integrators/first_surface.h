@@ -13,6 +13,7 @@ inline void report_first(FirstSurface* first, const SurfaceHit& hit, const Bsdf&
   first->hit = hit;
   first->albedo = bsdf.albedo();
   first->material = std::max(hit.origin.material, 0);
+  if (hit.origin.production != no_production) first->production = hit.origin.production;
 }
 
 // One whose material the integrator does not need.

@@ -63,7 +63,15 @@ class ModelBuilder {
         section.material.empty() ? 0 : context_.material_index(section.material, params.location_of("material"));
     const auto shape = all_components().bases.create(*section.base, "", diagnostics_);
     if (!shape) return {};
-    BaseContext context{*symbols_, diagnostics_, seed_, material, context_.folder, context_.material_index};
+    const Value* type = section.base->find("type");
+    BaseContext context{*symbols_,
+                        diagnostics_,
+                        seed_,
+                        material,
+                        context_.folder,
+                        context_.material_index,
+                        production_number(type ? type->text : ""),
+                        grow_context_.production_number};
     Mesh mesh = shape->build(context);
     steps_ = shape->growth(context, section.steps && has_subdivision(*section.steps));
     if (const std::string defect = manifold_defect(mesh); !defect.empty())
@@ -71,6 +79,10 @@ class ModelBuilder {
     else if (mesh.face_count() == 0)
       diagnostics_.error(section.base->location, "the base mesh has no faces");
     return mesh;
+  }
+
+  std::uint16_t production_number(const std::string& production) const {
+    return context_.production_number(fmt::format("{}/{}", name_, production));
   }
 
   static bool has_subdivision(const Value& steps) {
@@ -109,7 +121,12 @@ class ModelBuilder {
   const Key seed_;
   const Value& value_;
   std::shared_ptr<GrowthSymbols> symbols_ = std::make_shared<GrowthSymbols>();
-  GrowContext grow_context_{all_components().templates, symbols_, seed_, context_.material_index, context_.folder};
+  GrowContext grow_context_{all_components().templates,
+                            symbols_,
+                            seed_,
+                            context_.material_index,
+                            context_.folder,
+                            [this](const std::string& production) { return production_number(production); }};
   std::vector<std::unique_ptr<Step>> steps_;
   int subdivisions_ = 0;
   Key step_count_ = 0;

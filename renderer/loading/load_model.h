@@ -3,6 +3,7 @@
 
 #include "geometry/base/params.h"
 #include "geometry/cells/model.h"
+#include "procedural/growth/growth_symbols.h"
 
 #include <functional>
 #include <memory>
@@ -23,7 +24,8 @@ struct ModelContext {
   std::string folder;                                                                 // of the scene's assets
   Diagnostics& diagnostics;
   CellSettings cells = {};
-  int levels = 0;  // of the steps, if not all: 0
+  int levels = 0;                                              // of the steps, if not all: 0
+  ProductionNumber production_number = no_production_numbers;  // by "model/shoot[2]"
 };
 
 // Builds the model called `name` in the variant `seed`. Null, with errors in the diagnostics, if it cannot be.

@@ -69,8 +69,12 @@ class SceneBuilder {
     scene_ = std::make_unique<Scene>();
     name_materials(materials);
     const ModelContext context{
-        [this](const std::string& name, const Location& where) { return material_index(name, where); }, folder(),
-        diagnostics_};
+        [this](const std::string& name, const Location& where) { return material_index(name, where); },
+        folder(),
+        diagnostics_,
+        {},
+        0,
+        [this](const std::string& name) { return production_number(name); }};
     PartLibrary library(models, context);
     SceneGrids grids(grid_section, std::filesystem::path(path_ == "-" ? "" : path_).parent_path().string(), library,
                      diagnostics_);
@@ -81,7 +85,9 @@ class SceneBuilder {
     choose_camera(file, camera, cameras);
     add_render(render);
     std::vector<Placement> world = objects ? library.place(*objects) : std::vector<Placement>{};
+    const std::size_t productions = scene_->names.productions.size();
     library.check_unused();
+    scene_->names.productions.resize(productions);
     grids.check_unused();
     if (objects) scene_->names.objects = object_names(*objects);
     diagnostics_.throw_if_errors();
@@ -188,6 +194,15 @@ class SceneBuilder {
     return 0;
   }
 
+  // Individuals of one model share their numbers. The last one stays free: it is no_production.
+  std::uint16_t production_number(const std::string& name) {
+    std::vector<std::string>& names = scene_->names.productions;
+    const auto [known, is_new] = production_numbers_.try_emplace(name, std::uint16_t(names.size()));
+    if (!is_new) return known->second;
+    if (names.size() < no_production) names.push_back(name);
+    return known->second;
+  }
+
   void add_lights(const Value* lights) {
     if (!lights) return;
     for (const Value& light : lights->items)
@@ -272,6 +287,7 @@ class SceneBuilder {
   Diagnostics diagnostics_;
   std::unique_ptr<Scene> scene_;
   std::map<std::string, int> material_names_;
+  std::map<std::string, std::uint16_t> production_numbers_;
   std::vector<ExpressionMedium*> media_;  // those of the scene
 };
 

@@ -55,6 +55,11 @@ def check_cryptomatte(program):
     assert seen == {struct.pack("<I", int(digits, 16)).hex() for digits in manifest.values()}, (seen, manifest)
     assert 0 < sum(coverage for _, coverage in ranks) < 16 * 9
     assert all(0 <= coverage <= 1 for _, coverage in ranks)
+    # Both balls are one model that nothing grew on
+    made = re.search(r'cryptomatte/b79aff6/manifest: "(.*)"', text)[1].replace('\\"', '"')
+    assert set(json.loads(made)) == {"ball/sphere"}, made
+    covered = sum(pixels(program.folder, "all.exr", ALL.index("crypto_production"))[1::2])
+    assert abs(covered - sum(coverage for _, coverage in ranks)) < 1e-4, covered
 
 
 def check_crop(program):
