@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <regex>
 
@@ -113,6 +115,39 @@ TEST_F(SameImage, DepthFirstAndQueuedForAnyThreadsAndBudget) {
   EXPECT_EQ(large.sha256, eager.sha256);
   EXPECT_TRUE(small.queues);
   EXPECT_FALSE(large.queues);
+}
+
+// Mist of two densities that overlap, one of which glows, around what grows, a veil and a lamp: flights, their light
+// and what dims it draw random numbers between the rays of a path.
+TEST_F(SameImage, MediaForAnyThreadsBudgetAndRayOrder) {
+  write(R"json({ "format": 1, "models": {
+      "branch": )json" +
+        branch_text() + R"json(,
+      "veil": { "base": { "type": "plane", "width": 3, "depth": 3 }, "material": "veil",
+                "steps": [ { "subdivide": 3 } ] } },
+    "materials": { "veil": { "base_color": [0.2, 0.5, 0.1], "geometry_opacity": 0.6 } },
+    "objects": [ { "model": "branch" },
+                 { "model": "branch", "seed": 1, "position": [1, 0, -1], "rotate": [0, 40, 0] },
+                 { "model": "veil", "position": [0.4, 2.6, 0], "rotate": [20, 0, 0] } ],
+    "media": [ { "density": "0.25 + 0.2*snoise(2*P)", "albedo": [0.9, 0.95, 1], "anisotropy": 0.5 },
+               { "density": "2*smoothstep(length(P - [0.5, 1.5, 0.5]), 0.8, 0.2)", "emission": [0.3, 0.1, 0],
+                 "from": [-0.5, 0.5, -0.5], "to": [1.5, 2.5, 1.5] } ],
+    "lights": [ { "type": "sky", "elevation": 32 },
+                { "type": "sphere", "center": [1.5, 3, 2], "radius": 0.2, "intensity": 20 } ],
+    "camera": { "from": [2, 1.5, 4], "to": [0.3, 1.5, 0], "fov": 46 },
+    "render": { "size": [24, 14], "samples": 2, "max_depth": 5, "detail": 0.1 } })json");
+  const Rendered eager = render(ExpandMode::Eager, 2, no_limit);
+  EXPECT_EQ(std::ranges::count_if(eager.image.pixels, [](float x) { return !std::isfinite(x); }), 0);
+  for (const int threads : {1, 2, 8}) {
+    const std::uint64_t least = least_that_works(threads);
+    for (const RayOrder order : {RayOrder::DepthFirst, RayOrder::Queued})
+      for (const std::uint64_t budget : {least, no_limit}) {
+        const Rendered lazy = render(ExpandMode::Lazy, threads, budget, order);
+        EXPECT_EQ(lazy.sha256, eager.sha256) << threads << " threads, " << budget << " bytes, order " << int(order);
+        EXPECT_EQ(lazy.expansion.evicted > 0, budget == least);
+        EXPECT_EQ(lazy.queues.has_value(), order == RayOrder::Queued);
+      }
+  }
 }
 
 TEST_F(SameImage, FlatDiffersInAFewPixelsAtMost) {
