@@ -1,8 +1,10 @@
 // Texture: an image file that is asked for colours at texture coordinates, through OpenImageIO's texture system: tiles
 // are read where they are first asked for, and those of all textures together take no more than 512 MiB.
 //
-// EXR, PNG, JPEG, Radiance HDR and TIFF, in the limits of read_image(). Bilinear between texels, at full resolution:
-// samples of a pixel do the filtering. Colours are scene-linear: encoded texels are decoded before they are blended.
+// EXR, PNG, JPEG, Radiance HDR and TIFF, in the limits of read_image(). A lookup is the mean over a footprint, by
+// ellipses on a pyramid of coarser images (Heckbert 1989, "Fundamentals of Texture Mapping and Image Warping"), or
+// bilinear between texels at a point. Colours are scene-linear: encoded texels are decoded before anything blends them.
+// Alpha is left alone.
 #pragma once
 
 #include "geometry/base/vec.h"
@@ -20,12 +22,19 @@ struct TextureOptions {
   TextureEncoding encoding = TextureEncoding::Auto;
 };
 
+// The sides of the parallelogram around a point of the image that a lookup stands for, as steps in u, v. Both zero: the
+// point alone.
+struct TextureFootprint {
+  Vec2f side_a, side_b;
+};
+
 class Texture {
  public:
   virtual ~Texture() = default;
   // u to the right, v up, the image in [0, 1]^2; grey three times if the file has no colour. Any thread. A tile that
   // cannot be read is black.
-  virtual Vec3f at(Vec2f uv) const = 0;
+  virtual Vec3f mean(Vec2f uv, const TextureFootprint& footprint) const = 0;
+  Vec3f at(Vec2f uv) const { return mean(uv, {}); }
 };
 
 // Throws a FileError if the file is missing or not such an image.

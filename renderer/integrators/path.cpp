@@ -14,6 +14,10 @@
 // the media's transmittance. Flights are drawn before their ray is traced, so that nothing is expanded behind a
 // collision.
 //
+// For textures a path is a cone (Akenine-Moeller et al. 2021, "Improved Shader and Texture Level of Detail Using Ray
+// Cones"): as wide as a pixel, spreading as it goes on; a direction that is picked at random with a density by solid
+// angle stands for its share of the directions, so the cone widens by that. Curved mirrors are taken for flat ones.
+//
 // A path is a state that asks for one ray at a time and goes on when it is told what the ray met; so it can be followed
 // at once (radiance()) or wait among many others (PathStepper). What becomes of it does not depend on which.
 #include "renderer/integrators/first_surface.h"
@@ -48,6 +52,7 @@ struct PathState {
   float entered = 1;  // radiance is larger by this in the glass around the ray
   Spectrum sum;
   std::int32_t depth = 0, passes = 0;
+  float width = 0, spread = 0;  // of the cone around the ray: at its origin, and by distance
 
   Ray shadow;         // to the light that is asked: the rest of the way
   Spectrum light;     // that it would bring if nothing was in between, but for
@@ -66,6 +71,7 @@ class Path : public Integrator, public PathStepper {
   void prepare(const Scene& scene) override {
     choice_.emplace(scene.lights);
     transparency_ = std::ranges::any_of(scene.materials, [](const auto& m) { return m->may_be_transparent(); });
+    textures_ = std::ranges::any_of(scene.materials, [](const auto& m) { return m->has_textures(); });
   }
   Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts,
                     FirstSurface* first) const override;
@@ -79,12 +85,13 @@ class Path : public Integrator, public PathStepper {
 
   const LightChoice& choice() const { return *choice_; }
   bool transparency() const { return transparency_; }  // of some material
+  bool textures() const { return textures_; }          // of some material: the path's cone is needed
   int roulette_depth() const { return roulette_depth_; }
 
  private:
   int roulette_depth_;
   std::optional<LightChoice> choice_;
-  bool transparency_ = false;
+  bool transparency_ = false, textures_ = false;
 };
 
 // One camera path while it goes on.
@@ -102,6 +109,8 @@ class Walk {
   void begin(const Ray& ray) {
     ++counts_.camera;
     s_.last_vertex = {ray.origin, {}};
+    if (path_.textures() && scene_.camera)
+      s_.spread = scene_.camera->footprint(ray.origin + ray.direction, scene_.settings.width, scene_.settings.height);
     fly(ray);
   }
 
@@ -126,7 +135,8 @@ class Walk {
       counts_.escaped += s_.depth == 0 && s_.sum == before;  // a background that is there is opaque
       return;
     }
-    ShadingPoint point{hit, -s_.ray.direction};
+    s_.width += s_.spread * hit.t;
+    ShadingPoint point{hit, -s_.ray.direction, s_.width};
     Bsdf bsdf;
     scene_.material_of(hit).evaluate(point, bsdf);
     if (bsdf.inside() && bsdf.absorption != Spectrum{}) s_.throughput *= passed(bsdf.absorption, hit.t);
@@ -164,6 +174,7 @@ class Walk {
   // Asks for the next ray where the flight collides, as meet_surface() does.
   void meet_medium() {
     const MediumCollision& c = s_.collision;
+    s_.width += s_.spread * c.t;
     s_.sum += s_.throughput * c.emission;
     s_.throughput *= c.albedo;
     if (s_.depth >= scene_.settings.max_depth || s_.throughput == Spectrum{}) return;
@@ -298,7 +309,7 @@ class Walk {
     if (!met) return add_light(s_.visible);
     if (!path_.transparency()) return add_light(0);
     Bsdf bsdf;
-    scene_.material_of(veil).evaluate({veil, -s_.shadow.direction}, bsdf);
+    scene_.material_of(veil).evaluate({veil, -s_.shadow.direction, s_.width}, bsdf);
     s_.visible *= 1 - bsdf.opacity;
     if (!(s_.visible > 0) || ++s_.light_passes == max_passes) return add_light(0);
     const float rest = s_.shadow.t_max - veil.t;
@@ -318,6 +329,7 @@ class Walk {
     if (!(s.pdf > 0) || s.weight == Spectrum{}) return false;
     s_.throughput *= s.weight;
     s_.entered *= s.eta * s.eta;
+    s_.spread /= s.eta;  // by the law of refraction, for small angles
     return survives() && leave(receiver(point, bsdf), s.pdf, ray_from(point.hit, s.wi, s_.ray.time));
   }
 
@@ -337,11 +349,20 @@ class Walk {
 
   bool leave(const Receiver& vertex, float pdf, const Ray& ray) {
     ++counts_.bounce;
+    if (path_.textures()) widen(pdf);
     s_.last_pdf = pdf;
     s_.last_vertex = vertex;
     s_.travelled = 0;
     fly(ray);
     return true;
+  }
+
+  // Of the solid angle 1 / pdf the cone takes an eighth of the diameter: many paths fill it, and what they see is mixed
+  // anyway. A diffuse bounce spreads it by a quarter.
+  void widen(float pdf) {
+    constexpr float part = 0.125f, least_pdf = 0.01f;
+    const float diameter = 2 / std::sqrt(pi_f * std::max(pdf, least_pdf));
+    s_.spread = std::hypot(s_.spread, part * diameter);
   }
 
   const Path& path_;

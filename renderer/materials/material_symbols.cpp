@@ -39,6 +39,13 @@ MaterialValues::MaterialValues(const ShadingPoint& point) {
     values[std::size_t(6 + i)] = Vec3f(hit.origin.parameters[std::size_t(i)]);
 }
 
+Vec2f uv_step(const SurfaceHit& hit, Vec3f by) {
+  const Vec3f du = hit.dpdu, dv = hit.dpdv;
+  const float uu = length_squared(du), uv = dot(du, dv), vv = length_squared(dv), determinant = uu * vv - uv * uv;
+  if (!(determinant > 0)) return {};
+  return {(dot(by, du) * vv - dot(by, dv) * uv) / determinant, (dot(by, dv) * uu - dot(by, du) * uv) / determinant};
+}
+
 ScalarParameter::ScalarParameter(Params& params, const Symbols& symbols, const char* name, const char* fallback,
                                  float lower, float upper, const char* doc)
     : expression_(params.scalar_expression(name, fallback, symbols, doc)), lower_(lower), upper_(upper) {

@@ -35,6 +35,9 @@ struct MaterialValues {
   std::span<const Vec3f> used() const { return {values.data(), std::size_t(count)}; }
 };
 
+// How texture coordinates change along a step on the tangent plane.
+Vec2f uv_step(const SurfaceHit& hit, Vec3f by);
+
 // A scalar parameter, clamped to a range. What is not a number becomes the range's lower end.
 class ScalarParameter {
  public:

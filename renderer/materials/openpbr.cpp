@@ -73,6 +73,7 @@ class OpenPbr : public Material {
   }
 
   bool is_uniform() const override { return constant_; }
+  bool has_textures() const override { return !textures_.empty(); }
   bool may_emit() const override { return !is_zero(emission_luminance_); }
   Spectrum emission(const ShadingPoint& point) const override {
     const MaterialValues v = textures_.at(point);
@@ -106,12 +107,10 @@ class OpenPbr : public Material {
   // The point beside a hit, on the tangent plane, with the texture coordinates that it has there.
   static ShadingPoint moved(const ShadingPoint& point, Vec3f by) {
     ShadingPoint other = point;
+    const Vec2f step = uv_step(point.hit, by);
     other.hit.position += by;
-    const Vec3f du = point.hit.dpdu, dv = point.hit.dpdv;
-    const float uu = length_squared(du), uv = dot(du, dv), vv = length_squared(dv), determinant = uu * vv - uv * uv;
-    if (!(determinant > 0)) return other;
-    other.hit.u += (dot(by, du) * vv - dot(by, dv) * uv) / determinant;
-    other.hit.v += (dot(by, dv) * uu - dot(by, du) * uv) / determinant;
+    other.hit.u += step.x;
+    other.hit.v += step.y;
     return other;
   }
 

@@ -114,6 +114,7 @@ class Light {
 struct ShadingPoint {
   SurfaceHit hit;
   Vec3f wo;
+  float footprint = 0;  // width across wo of what the point stands for; textures are filtered over it
 };
 
 struct BsdfSample {
@@ -141,6 +142,8 @@ class Material {
   }
   // Whether evaluate() gives every hit the same parameters.
   virtual bool is_uniform() const { return false; }
+  // Whether evaluate() asks for the footprint.
+  virtual bool has_textures() const { return false; }
   // False if every hit is opaque (opacity 1): shadow rays then need not ask.
   virtual bool may_be_transparent() const { return false; }
 };

@@ -114,6 +114,25 @@ def check_scene_aovs(program):
     assert "no AOV named \"depth\"; known: all, albedo" in error, error
 
 
+def check_textures(program):
+    """A texture gives the same picture in rows and in tiles, with 8 and 16 bits, with and without an alpha channel."""
+    oiiotool(program.folder, "--pattern", "noise:type=uniform:min=0:max=1", "300x200", "3", "-d", "uint8", "-o",
+             "rows.png")
+    oiiotool(program.folder, "rows.png", "--tile", "64", "48", "-o", "tiles.tif")
+    oiiotool(program.folder, "rows.png", "-d", "uint16", "-o", "rows16.png")
+    oiiotool(program.folder, "rows.png", "-d", "uint16", "--tile", "16", "16", "-o", "tiles16.tif")
+    oiiotool(program.folder, "rows.png", "--ch", "R,G,B,A=1", "-o", "alpha.png")
+
+    def picture(name, *more):
+        texture = '/materials/clay={"textures": {"t": {"file": "%s"}}, "base_color": "t"}' % name
+        return program.digest("render", "ball.jsonc", "-o", "a.exr", "--set", texture,
+                              "--set", '/models/ball/material="clay"', *more)
+
+    bytes_, shorts = picture("rows.png"), picture("rows16.png")
+    assert picture("tiles.tif") == picture("alpha.png") == bytes_ and picture("tiles16.tif") == shorts
+    assert bytes_ != picture("rows.png", "--set", "/materials/clay/textures/t/filter=0")
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         program = Program(sys.argv[1], folder)
@@ -123,6 +142,7 @@ def main():
         check_display(program)
         check_denoised(program)
         check_scene_aovs(program)
+        check_textures(program)
     print("images are what other programs expect")
 
 

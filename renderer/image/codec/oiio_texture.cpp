@@ -1,7 +1,9 @@
 #include "renderer/image/codec/oiio_texture.h"
 
 #include "renderer/image/atomic_file.h"
+#include "renderer/image/codec/decoded_input.h"
 
+#include <OpenImageIO/imagecache.h>
 #include <OpenImageIO/texture.h>
 #include <fmt/format.h>
 
@@ -18,7 +20,8 @@ OIIO::TextureSystem& texture_system() {
     OIIO::TextureSystem* const s = OIIO::TextureSystem::create(false);
     s->attribute("max_memory_MB", 512.0f);
     s->attribute("autotile", 64);
-    s->attribute("automip", 0);
+    s->attribute("automip", 1);
+    s->imagecache()->attribute("unassociatedalpha", 1);
     return s;
   }();
   return *system;
@@ -34,55 +37,60 @@ OIIO::TextureOpt::Wrap wrap_of(TextureWrap wrap) {
   return OIIO::TextureOpt::WrapPeriodic;
 }
 
-// IEC 61966-2-1, section 5.2.
-float decoded(float x) { return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f); }
+// Makes a file known under a name by which its texels are read decoded.
+OIIO::ustring decoded_name(const std::string& path) {
+  const OIIO::ustring name(DecodedInput::prefix + path);
+  texture_system().imagecache()->add_file(name, [] { return static_cast<OIIO::ImageInput*>(new DecodedInput); });
+  return name;
+}
+
+bool is_encoded(const std::string& path, TextureEncoding encoding) {
+  OIIO::ImageSpec spec;
+  if (encoding != TextureEncoding::Auto) return encoding == TextureEncoding::Srgb;
+  return texture_system().get_imagespec(OIIO::ustring(path), 0, spec) && !spec.format.is_floating_point();
+}
+
+// Longer footprints are looked up as if they were wider: the error of a plane to the horizon is that of 16.
+constexpr int most_aspect = 8;
 
 class OiioTexture final : public Texture {
  public:
-  OiioTexture(const std::string& path, const TextureOptions& options)
-      : handle_(texture_system().get_texture_handle(OIIO::ustring(path))), wrap_(wrap_of(options.wrap)) {
+  OiioTexture(const std::string& path, const TextureOptions& options) : wrap_(wrap_of(options.wrap)) {
+    OIIO::TextureSystem& system = texture_system();
+    const OIIO::ustring name = is_encoded(path, options.encoding) ? decoded_name(path) : OIIO::ustring(path);
+    handle_ = system.get_texture_handle(name);
     OIIO::ImageSpec spec;
-    if (!handle_ || !texture_system().good(handle_) || !texture_system().get_imagespec(OIIO::ustring(path), 0, spec))
-      throw FileError(fmt::format("cannot read {}: {}", path, texture_system().geterror()));
-    width_ = float(spec.width);
-    height_ = float(spec.height);
+    if (!handle_ || !system.good(handle_) || !system.get_imagespec(name, 0, spec))
+      throw FileError(fmt::format("cannot read {}: {}", path, system.geterror()));
     channels_ = std::min(spec.nchannels, 3);
-    encoded_ = options.encoding == TextureEncoding::Srgb ||
-               (options.encoding == TextureEncoding::Auto && !spec.format.is_floating_point());
   }
 
-  Vec3f at(Vec2f uv) const override {
+  Vec3f mean(Vec2f uv, const TextureFootprint& f) const override {
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) return {};
-    const float x = uv.x * width_ - 0.5f, y = (1 - uv.y) * height_ - 0.5f;  // texels, from the top left
-    const float x0 = std::floor(x), y0 = std::floor(y), tx = x - x0, ty = y - y0;
-    const Vec3f top = lerp(texel(x0, y0), texel(x0 + 1, y0), tx);
-    return lerp(top, lerp(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), tx), ty);
-  }
-
- private:
-  Vec3f texel(float x, float y) const {
+    const bool is_finite = std::isfinite(f.side_a.x + f.side_a.y + f.side_b.x + f.side_b.y);
+    const bool is_point = !is_finite || (f.side_a == Vec2f{} && f.side_b == Vec2f{});
+    const Vec2f a = is_point ? Vec2f{} : f.side_a, b = is_point ? Vec2f{} : f.side_b;
     OIIO::TextureOpt options;
     options.swrap = options.twrap = wrap_;
-    options.interpmode = OIIO::TextureOpt::InterpClosest;
-    options.mipmode = OIIO::TextureOpt::MipModeNoMIP;
+    options.interpmode = OIIO::TextureOpt::InterpBilinear;
+    options.mipmode = is_point ? OIIO::TextureOpt::MipModeNoMIP : OIIO::TextureOpt::MipModeAniso;
+    options.anisotropic = most_aspect;
     std::array<float, 3> c{};
     OIIO::TextureSystem& system = texture_system();
-    const bool good = system.texture(handle_, system.get_perthread_info(), options, (x + 0.5f) / width_,
-                                     (y + 0.5f) / height_, 0, 0, 0, 0, channels_, c.data());
+    const bool good = system.texture(handle_, system.get_perthread_info(), options, uv.x, 1 - uv.y, a.x, -a.y, b.x,
+                                     -b.y, channels_, c.data());
     if (!good) {
       system.geterror();  // or messages pile up
       return {};
     }
     if (channels_ < 3) c[1] = c[2] = c[0];
-    if (encoded_) std::ranges::transform(c, c.begin(), decoded);
     return {c[0], c[1], c[2]};
   }
 
+ private:
   OIIO::TextureSystem::TextureHandle* handle_;
   OIIO::TextureOpt::Wrap wrap_;
-  float width_ = 1, height_ = 1;
   int channels_ = 3;
-  bool encoded_ = false;
 };
 
 }  // namespace

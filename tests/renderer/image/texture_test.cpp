@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <string>
+
 namespace meristem {
 namespace {
 
@@ -46,6 +49,36 @@ TEST(Texture, WholeNumbersAreSrgbUnlessSaidOtherwise) {
   EXPECT_NEAR(open_texture(folder / "a.png", {})->at({0.5f, 0.5f}).y, 0.5, 0.005);
   const auto raw = open_texture(folder / "a.png", {.encoding = TextureEncoding::Linear});
   EXPECT_NEAR(raw->at({0.5f, 0.5f}).y, 188 / 255.0, 1e-6);
+}
+
+// Of black and white the mean is half of the light, not half of the code values; of odd sizes too.
+TEST(Texture, AFootprintIsAMeanOfLight) {
+  const ScratchFolder folder;
+  for (const int width : {64, 60}) {
+    Image stripes{width, 48, 1, {}};
+    for (int i = 0; i < width * 48; ++i) stripes.pixels.push_back(float(i % width / 2 % 2));
+    const std::string file = folder / (std::to_string(width) + ".png");
+    write_image(file, stripes);
+    const auto texture = open_texture(file, {});
+    const float texel = 1 / float(width);
+    EXPECT_EQ(texture->at({2.5f * texel, 0.3f}).x, 1);
+    // Across the stripes, aslant, much longer than wide, and much larger than the image
+    for (const TextureFootprint& f : {TextureFootprint{{8 * texel, 0}, {0, 8 * texel}},
+                                      TextureFootprint{{6 * texel, 6 * texel}, {-6 * texel, 6 * texel}},
+                                      TextureFootprint{{12 * texel, 0}, {0, texel}}, TextureFootprint{{7, 1}, {-1, 7}}})
+      for (const float u : {0.1f, 0.37f, 0.9f})
+        EXPECT_NEAR(texture->mean({u, 0.6f}, f).x, 0.5, 0.03) << width << ", " << f.side_a.x << ", " << u;
+    // Along them nothing is to be blurred
+    EXPECT_NEAR(texture->mean({3 * texel, 0.5f}, {{0.2f * texel, 0}, {0, 0.1f}}).x, 1, 0.2);
+    EXPECT_EQ(texture->mean({0.4f, 0.5f}, {{NAN, 0}, {0, 0.1f}}), texture->at({0.4f, 0.5f}));
+  }
+}
+
+TEST(Texture, AlphaDoesNotDimColours) {
+  const ScratchFolder folder;
+  write_image(folder / "a.png", Image{1, 1, 4, {1, 1, 1, 0.25f}});
+  for (const TextureEncoding encoding : {TextureEncoding::Srgb, TextureEncoding::Linear})
+    EXPECT_EQ(open_texture(folder / "a.png", {.encoding = encoding})->at({0.5f, 0.5f}).y, 1);
 }
 
 TEST(Texture, RefusesWhatIsNotAnImage) {
