@@ -1,6 +1,7 @@
 #include "geometry/fields/expression.h"
 
 #include "geometry/base/check.h"
+#include "geometry/base/scratch.h"
 #include "geometry/fields/interval.h"
 #include "geometry/fields/parser.h"
 #include "geometry/fields/program.h"
@@ -48,10 +49,10 @@ class CompiledExpression final : public Expression {
 
 // One point as a block: each value stands for all.
 Vec3f evaluate_one(const Expression& e, std::span<const Vec3f> values, Key key, Key salt) {
-  std::vector<Input> inputs;
-  for (const Vec3f& v : values) inputs.push_back({&v.x, &v.y, &v.z, 0});
+  Scratch<Input> inputs(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) inputs[i] = {&values[i].x, &values[i].y, &values[i].z, 0};
   Vec3f result;
-  e.evaluate({1, inputs, &key, salt}, &result.x, &result.y, &result.z);
+  e.evaluate({1, inputs.span(), &key, salt}, &result.x, &result.y, &result.z);
   return result;
 }
 
