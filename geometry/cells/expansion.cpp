@@ -1,5 +1,6 @@
 #include "geometry/cells/expansion.h"
 
+#include "geometry/cells/done_faces.h"
 #include "geometry/cells/extract.h"
 #include "geometry/cells/gather.h"
 #include "geometry/cells/level_of_detail.h"
@@ -28,6 +29,7 @@ class Expander {
 
   Expansion run() {
     result_.work.resize(std::size_t(model_.levels()));
+    begin_squares();
     is_final_ = freeze_vertices(model_, cell_, level_);
     is_leaf_ = total_estimate() <= 2.0 * model_.settings().leaf_faces;
     Next next = Next::Step;
@@ -55,8 +57,8 @@ class Expander {
 
   Next decide() {
     if (is_final_ || level_ == model_.levels()) return Next::Finish;
-    // With a footprint less may come of it than was expected while it still grew
-    is_leaf_ = is_leaf_ || (cell_.footprint && total_estimate() <= 2.0 * model_.settings().leaf_faces);
+    // Less may come of it than was expected while it still grew
+    is_leaf_ = is_leaf_ || total_estimate() <= 2.0 * model_.settings().leaf_faces;
     if (is_leaf_) return Next::Step;
     const bool may_split = level_ > first_level_ || cell_.owned_faces > model_.settings().inner_faces;
     if (!may_split) return Next::Step;
@@ -65,33 +67,42 @@ class Expander {
     return children_are_leaves || after > model_.settings().inner_faces ? Next::Split : Next::Step;
   }
 
-  // Remembers from which faces the run of refinements at the end starts: they become the leaf's grids.
-  void note_roots() {
-    root_corners_.clear();
-    for (std::uint32_t f = 0; f < cell_.owned_faces; ++f) root_corners_.push_back(cell_.mesh.corner_count(f));
-    refinements_ = 0;
+  // The faces from which the run of refinements at the end starts: they become the leaf's grids.
+  void begin_squares() {
+    squares_ = {};
+    for (std::uint32_t f = 0; f < cell_.owned_faces; ++f) squares_.corners.push_back(cell_.mesh.corner_count(f));
   }
 
   void apply_step() {
     const auto start = std::chrono::steady_clock::now();
     const Step& step = model_.step(level_);
-    if (refinements_ == 0) note_roots();
     if (!step.refines()) leave_out_small_growth(model_, cell_, level_);
     CellMesh out;
     step.apply(cell_, model_.halo_rings(level_ + 1), out);
     out.footprint = cell_.footprint;
     cell_ = std::move(out);
-    refinements_ = step.refines() ? refinements_ + 1 : 0;
+    if (step.refines())
+      ++squares_.refinements;
+    else
+      begin_squares();
     StepWork& work = result_.work[std::size_t(level_)];
     work = {cell_.owned_faces, seconds_since(start)};
     result_.faces += cell_.owned_faces;
     ++level_;
-    if (level_ < model_.levels()) is_final_ = freeze_vertices(model_, cell_, level_);
+    if (level_ == model_.levels()) return;
+    is_final_ = freeze_vertices(model_, cell_, level_);
+    if (is_leaf_ && !is_final_) take_done();
+  }
+
+  // Triangles make no squares: they go on together.
+  void take_done() {
+    if (cell_.mesh.corner_count(0) == 3 && squares_.refinements > 0) return;
+    if (auto done = take_done_faces(model_, cell_, level_, squares_)) done_.push_back(std::move(*done));
   }
 
   void finish() {
-    const bool has_grids = refinements_ > 0 && cell_.mesh.corner_count(0) == 4;
-    result_.leaf = tessellate(cell_, level_, root_corners_, has_grids ? refinements_ : 0, model_.smoothing(level_));
+    if (cell_.mesh.corner_count(0) != 4) squares_ = {};
+    result_.leaf = tessellate(cell_, level_, squares_, model_.smoothing(level_), done_);
     if (model_.settings().keeps_leaf_meshes) result_.mesh = std::move(cell_);
   }
 
@@ -109,8 +120,8 @@ class Expander {
   int level_;
   const int first_level_;
   bool is_leaf_ = false, is_final_ = false;
-  std::vector<std::uint32_t> root_corners_;
-  int refinements_ = 0;
+  Squares squares_;
+  std::vector<DoneFaces> done_;
   Expansion result_;
 };
 

@@ -71,6 +71,12 @@ class Groups {
   std::vector<std::uint32_t> parent_;
 };
 
+// In proportion to how many rays meet the box.
+double half_area(const Bounds3d& b) {
+  const Vec3d s = b.size();
+  return b.empty() ? 0 : s.x * s.y + s.y * s.z + s.z * s.x;
+}
+
 class ChildMaker {
  public:
   ChildMaker(const Model& model, InnerCell& inner) : model_(model), inner_(inner), mesh_(inner.cell.mesh) {}
@@ -144,20 +150,57 @@ class ChildMaker {
     run_faces_ = 0;
   }
 
-  // Where only refinements follow, by looking ahead; while something grows, by analysis.
+  // By looking ahead; where steps can derive what grows, or too much does, by what is known without.
   void find_bounds() {
     const std::size_t count = inner_.child_keys.size();
-    if (model_.trailing_refinements(inner_.level) == model_.levels() - inner_.level) {
+    if (!has_lone_buds_) {
       std::vector<std::uint32_t> group_of(inner_.cell.owned_faces);
       for (std::size_t child = 0; child < count; ++child)
         for (std::uint32_t f : inner_.faces_of_child(child)) group_of[f] = std::uint32_t(child);
-      for (const Bounds3d& b : probed_bounds(model_, inner_.cell, inner_.level, group_of, count))
-        inner_.child_bounds.push_back(round_outwards(b));
-      return;
+      if (const auto outlooks = look_ahead(model_, inner_.cell, inner_.level, group_of, count))
+        return join_neighbors(*outlooks);
     }
     for (std::size_t child = 0; child < count; ++child)
       inner_.child_bounds.push_back(round_outwards(
           region_bounds(model_, inner_.cell, *inner_.adjacency, inner_.faces_of_child(child), inner_.level)));
+  }
+
+  // Children that follow each other become one as long as they make one leaf and their common box is not much larger
+  // for a ray than those of the children.
+  void join_neighbors(const std::vector<Outlook>& outlooks) {
+    constexpr double worth_joining = 1.25;
+    std::vector<std::uint32_t> starts;
+    std::vector<Key> keys;
+    Outlook joined;
+    double area = 0;
+    for (std::size_t child = 0; child < outlooks.size(); ++child) {
+      const Outlook& next = outlooks[child];
+      Bounds3d both = joined.bounds;
+      both.extend(next.bounds);
+      const double next_area = half_area(next.bounds);
+      const bool joins = !starts.empty() && joined.faces + next.faces <= model_.settings().leaf_faces &&
+                         half_area(both) <= worth_joining * (area + next_area);
+      if (!joins) {
+        if (!starts.empty()) inner_.child_bounds.push_back(round_outwards(joined.bounds));
+        starts.push_back(inner_.child_starts[child]);
+        keys.push_back(inner_.child_keys[child]);
+        joined = {};
+        area = 0;
+        both = next.bounds;
+      }
+      joined = {both, joined.faces + next.faces};
+      area += next_area;
+    }
+    inner_.child_bounds.push_back(round_outwards(joined.bounds));
+    starts.push_back(inner_.child_starts.back());
+    inner_.child_starts = std::move(starts);
+    inner_.child_keys = std::move(keys);
+  }
+
+  bool find_lone_buds() const {
+    for (std::uint32_t f = 0; f < inner_.cell.owned_faces; ++f)
+      if (is_bud(f) && is_alone(f)) return true;
+    return false;
   }
 
   double find_bud_share() const {
@@ -170,6 +213,7 @@ class ChildMaker {
   InnerCell& inner_;
   const Mesh& mesh_;
   const double bud_share_ = find_bud_share();
+  const bool has_lone_buds_ = find_lone_buds();
   std::vector<std::uint32_t> run_;
   double run_faces_ = 0;
 };

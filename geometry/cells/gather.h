@@ -11,7 +11,7 @@ CellMesh gather_cell(const Mesh& mesh, const Adjacency& adjacency, std::span<con
 
 // Fills in the children of an inner cell whose mesh, level and adjacency are set: runs of neighbouring faces that make
 // one leaf together, single faces that make more; a face that still grows stands with the faces that touch it, whose
-// smoothing it reaches.
+// smoothing it reaches, and with others of its kind as far as they make one leaf together.
 void make_children(const Model& model, InnerCell& inner);
 
 }  // namespace meristem

@@ -94,49 +94,111 @@ Extent extent_of(const Surroundings& ring1, const Surroundings& ring2) {
   return e;
 }
 
+// A cell's mesh carried on, every owned face labelled with its group.
+class Lookahead {
+ public:
+  Lookahead(const Model& model, const CellMesh& cell, int level, std::span<const std::uint32_t> group_of)
+      : model_(model), ahead_(cell), level_(level), grown_level_(model.levels() - model.trailing_refinements(level)) {
+    ahead_.labels.assign(group_of.begin(), group_of.end());
+  }
+
+  // Until only refinements follow or nothing finer is wanted; whether that was reached. Growth moves no vertex, so that
+  // it does not matter when before a refinement they freeze.
+  bool grow() {
+    while (level_ < grown_level_ && ahead_.owned_faces < most_probe_faces) {
+      if (model_.step(level_).refines()) {
+        is_final_ = freeze_vertices(model_, ahead_, level_);
+        if (is_final_) return true;
+      } else {
+        measure_nominal_scale(model_, ahead_, level_);
+        leave_out_small_growth(model_, ahead_, level_);
+      }
+      apply_step();
+    }
+    return level_ >= grown_level_;
+  }
+
+  void add_faces(std::vector<Outlook>& groups) {
+    measure_nominal_scale(model_, ahead_, level_);
+    for (std::uint32_t f = 0; f < ahead_.owned_faces; ++f)
+      groups[ahead_.labels[f]].faces += is_final_ ? 1 : wanted_faces(model_, ahead_, f, level_);
+  }
+
+  // Before displacement at least once, so that all faces are quads (or triangles).
+  void refine() {
+    bool is_refined = !is_displaced_later();
+    while (!is_final_ && level_ < model_.levels()) {
+      is_final_ = freeze_vertices(model_, ahead_, level_);
+      const bool is_worth_it = !is_refined || share() < probe_share;
+      if (is_final_ || !is_worth_it || ahead_.owned_faces >= most_probe_faces) break;
+      apply_step();
+      is_refined = true;
+    }
+  }
+
+  void add_bounds(std::vector<Outlook>& groups) const {
+    const std::vector<Surroundings> ring1 = widened(ahead_.mesh, own_surroundings(ahead_.mesh)),
+                                    ring2 = widened(ahead_.mesh, ring1);
+    std::vector<Surroundings> group_ring1(groups.size()), group_ring2(groups.size());
+    for (std::uint32_t f = 0; f < ahead_.owned_faces; ++f) {
+      group_ring1[ahead_.labels[f]].join(ring1[f]);
+      group_ring2[ahead_.labels[f]].join(ring2[f]);
+    }
+    // Of a mesh that is final nothing moves any more, but towards the limit surface
+    const int level = is_final_ ? model_.levels() : level_;
+    for (std::size_t g = 0; g < groups.size(); ++g)
+      groups[g].bounds.extend(final_bounds(model_, extent_of(group_ring1[g], group_ring2[g]), level));
+    add_frozen(groups);
+  }
+
+ private:
+  void apply_step() {
+    CellMesh out;
+    model_.step(level_).apply(ahead_, model_.halo_rings(level_ + 1), out);
+    out.footprint = ahead_.footprint;
+    ahead_ = std::move(out);
+    ++level_;
+  }
+
+  bool is_displaced_later() const {
+    for (int level = level_; level < model_.levels(); ++level)
+      if (model_.step(level).displaces()) return true;
+    return false;
+  }
+
+  // By the refinements still wanted.
+  double share() const { return std::exp2(-2.0 * wanted_refinements(model_, ahead_, level_)); }
+
+  // Vertices that later levels would move, but which are shown where they are.
+  void add_frozen(std::vector<Outlook>& groups) const {
+    const Mesh& mesh = ahead_.mesh;
+    if (mesh.frozen.empty()) return;
+    std::vector<Bounds3d> frozen(groups.size());
+    for (std::uint32_t f = 0; f < ahead_.owned_faces; ++f)
+      for (std::uint32_t v : mesh.corners(f))
+        if (mesh.frozen[v].is_frozen) frozen[ahead_.labels[f]].extend(Vec3d(mesh.frozen[v].position));
+    for (std::size_t g = 0; g < groups.size(); ++g)
+      if (!frozen[g].empty()) groups[g].bounds.extend(frozen[g].inflated(Vec3d(model_.quantum().step())));
+  }
+
+  const Model& model_;
+  CellMesh ahead_;
+  int level_;
+  const int grown_level_;
+  bool is_final_ = false;
+};
+
 }  // namespace
 
-std::vector<Bounds3d> probed_bounds(const Model& model, const CellMesh& cell, int level,
-                                    std::span<const std::uint32_t> group_of, std::size_t group_count) {
-  CellMesh ahead = cell;
-  std::vector<std::uint32_t> groups(group_of.begin(), group_of.end());  // of the owned faces of `ahead`
-  // By the refinements still wanted; frozen vertices, which later levels would move, count as they are.
-  auto share = [&] { return std::exp2(-2.0 * wanted_refinements(model, ahead, level)); };
-  std::vector<Bounds3d> frozen(group_count);
-  auto add_frozen = [&] {
-    if (ahead.mesh.frozen.empty()) return;
-    for (std::uint32_t f = 0; f < ahead.owned_faces; ++f)
-      for (std::uint32_t v : ahead.mesh.corners(f))
-        if (ahead.mesh.frozen[v].is_frozen) frozen[groups[f]].extend(Vec3d(ahead.mesh.frozen[v].position));
-  };
-  bool is_quads = false;
-  while (level < model.levels() && (!is_quads || share() < probe_share) && ahead.owned_faces < most_probe_faces) {
-    std::vector<std::uint32_t> next_groups;
-    for (std::uint32_t f = 0; f < ahead.owned_faces; ++f)
-      next_groups.insert(next_groups.end(), model.step(level).max_children(ahead.mesh.corner_count(f)), groups[f]);
-    CellMesh out;
-    model.step(level).apply(ahead, model.halo_rings(level + 1), out);
-    out.footprint = ahead.footprint;
-    ahead = std::move(out);
-    groups = std::move(next_groups);
-    is_quads = true;
-    ++level;
-    if (freeze_vertices(model, ahead, level)) break;
-  }
-  add_frozen();
-  const std::vector<Surroundings> ring1 = widened(ahead.mesh, own_surroundings(ahead.mesh)),
-                                  ring2 = widened(ahead.mesh, ring1);
-  std::vector<Surroundings> group_ring1(group_count), group_ring2(group_count);
-  for (std::uint32_t f = 0; f < ahead.owned_faces; ++f) {
-    group_ring1[groups[f]].join(ring1[f]);
-    group_ring2[groups[f]].join(ring2[f]);
-  }
-  std::vector<Bounds3d> bounds;
-  for (std::size_t g = 0; g < group_count; ++g) {
-    bounds.push_back(final_bounds(model, extent_of(group_ring1[g], group_ring2[g]), level));
-    if (!frozen[g].empty()) bounds.back().extend(frozen[g].inflated(Vec3d(model.quantum().step())));
-  }
-  return bounds;
+std::optional<std::vector<Outlook>> look_ahead(const Model& model, const CellMesh& cell, int level,
+                                               std::span<const std::uint32_t> group_of, std::size_t group_count) {
+  Lookahead ahead(model, cell, level, group_of);
+  if (!ahead.grow()) return {};
+  std::vector<Outlook> groups(group_count);
+  ahead.add_faces(groups);
+  ahead.refine();
+  ahead.add_bounds(groups);
+  return groups;
 }
 
 }  // namespace meristem

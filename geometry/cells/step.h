@@ -24,6 +24,8 @@ struct CellMesh {
   Mesh mesh;
   std::uint32_t owned_faces = 0;
   std::vector<std::uint8_t> rings;  // one a face; ascending
+  // Empty, or one an owned face: a number that steps hand on to all that comes of the face.
+  std::vector<std::uint32_t> labels{};
   // How coarse it may be; null: everything in full. Must outlive the cell. Not carried along by steps.
   const Footprint* footprint = nullptr;
 };

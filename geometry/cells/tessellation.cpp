@@ -67,21 +67,52 @@ class ShownSurface {
   std::vector<Vec2d> uv_;
 };
 
+std::size_t squares_of(std::uint32_t corners) { return corners == 4 ? 1 : corners; }
+int levels_of(std::uint32_t corners, int refinements) { return corners == 4 ? refinements : refinements - 1; }
+
+// The vertices of the grids of all squares, if nothing of them is frozen.
+std::size_t vertices_of(const Squares& squares) {
+  std::size_t vertices = 0;
+  for (std::uint32_t corners : squares.corners) {
+    const std::size_t width = (std::size_t(1) << levels_of(corners, squares.refinements)) + 1;
+    vertices += squares_of(corners) * width * width;
+  }
+  return vertices;
+}
+
+// The surface of some faces of a mesh, appended to what there is of others.
 class Tessellator {
  public:
-  Tessellator(const CellMesh& cell, int level, const std::optional<RefineOptions>& smoothing)
-      : mesh_(cell.mesh), level_(level), surface_(cell, smoothing) {
-    out_.origins = cell.mesh.origins;
-    out_.face_count = cell.owned_faces;
+  // `surface` is not asked for frozen vertices: null where all are.
+  Tessellator(const Mesh& mesh, int level, const ShownSurface* surface, Tessellation& out,
+              std::vector<Vec2f>& vertex_uv)
+      : mesh_(mesh),
+        surface_(surface),
+        out_(out),
+        vertex_uv_(vertex_uv),
+        leaf_(std::uint32_t(out.leaves.size())),
+        first_origin_(std::uint32_t(out.origins.size())) {
+    out.leaves.push_back({{}, level});
+    out.origins.insert(out.origins.end(), mesh.origins.begin(), mesh.origins.end());
   }
 
-  // Room for the vertices that the grids will have, if nothing of them is frozen, and one more (see take()).
-  void reserve(std::size_t vertices) {
-    out_.positions.reserve(vertices + 1);
-    out_.normals.reserve(vertices);
-    vertex_uv_.reserve(vertices);
+  // Faces [0, count).
+  void add(std::uint32_t count, const Squares& squares) {
+    out_.face_count += count;
+    if (squares.refinements < 1) {
+      for (std::uint32_t f = 0; f < count; ++f) add_polygon(f);
+      return;
+    }
+    std::uint32_t first = 0;
+    for (std::uint32_t corners : squares.corners) {
+      const int levels = levels_of(corners, squares.refinements);
+      const std::uint32_t end = first + squares.faces_of(corners);
+      for (; first < end; first += 1u << (2 * levels)) add_grid(first, levels);
+    }
+    CHECK(first == count, "{} faces in squares, {} owned", first, count);
   }
 
+ private:
   // A square of 4^levels faces from `first` on: their order is that of a quadtree whose children run around the face.
   void add_grid(std::uint32_t first, int levels) {
     const std::uint32_t side = 1u << levels, width = side + 1;
@@ -100,7 +131,7 @@ class Tessellator {
       grid_vertices_[(j + 1) * width + i] = c[3];
     }
     grid_width_ = width;
-    grid_origin_ = mesh_.face_origins[first];
+    grid_origin_ = first_origin_ + mesh_.face_origins[first];
     add_square(0, 0, side);
   }
 
@@ -115,38 +146,10 @@ class Tessellator {
     for (std::size_t i = 1; i + 1 < c.size(); ++i) add_triangle(face, c[0], c[i], c[i + 1]);
   }
 
-  Tessellation take() {
-    pack_uv();
-    // Vectors may have grown by doubling
-    if (out_.positions.capacity() != out_.positions.size() + 1) {
-      std::vector<Vec3f> exact;
-      exact.reserve(out_.positions.size() + 1);
-      exact.assign(out_.positions.begin(), out_.positions.end());
-      out_.positions.swap(exact);
-    }
-    out_.normals.shrink_to_fit();
-    out_.grids.shrink_to_fit();
-    out_.triangles.shrink_to_fit();
-    out_.triangle_sources.shrink_to_fit();
-    return std::move(out_);
-  }
-
- private:
   void add_triangle(std::uint32_t face, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     if (is_shown_together(a, b) || is_shown_together(b, c) || is_shown_together(c, a)) return;
     out_.triangles.push_back({shared_vertex(a), shared_vertex(b), shared_vertex(c)});
-    out_.triangle_sources.push_back({mesh_.face_origins[face], 0});
-  }
-
-  void pack_uv() {
-    Vec2f low{INFINITY, INFINITY}, high{-INFINITY, -INFINITY};
-    for (Vec2f uv : vertex_uv_) {
-      low = {std::min(low.x, uv.x), std::min(low.y, uv.y)};
-      high = {std::max(high.x, uv.x), std::max(high.y, uv.y)};
-    }
-    out_.leaves = {{UvFrame::over(low, high), level_}};
-    out_.uv.reserve(vertex_uv_.size());
-    for (Vec2f uv : vertex_uv_) out_.uv.push_back(out_.leaves[0].uv_frame.pack(uv));
+    out_.triangle_sources.push_back({first_origin_ + mesh_.face_origins[face], leaf_});
   }
 
   std::uint32_t grid_vertex(std::uint32_t i, std::uint32_t j) const { return grid_vertices_[j * grid_width_ + i]; }
@@ -177,7 +180,7 @@ class Tessellator {
     const auto width = std::uint16_t(size / step + 1);
     for (std::uint32_t j = 0; j <= size; j += step)
       for (std::uint32_t i = 0; i <= size; i += step) add_vertex(grid_vertex(i0 + i, j0 + j));
-    out_.grids.push_back({base, width, width, grid_origin_, 0, std::countr_zero(step)});
+    out_.grids.push_back({base, width, width, grid_origin_, leaf_, std::countr_zero(step)});
   }
 
   bool is_shown_together(std::uint32_t v, std::uint32_t w) const {
@@ -193,9 +196,9 @@ class Tessellator {
       vertex_uv_.push_back(frozen.uv);
       return std::uint32_t(out_.positions.size()) - 1;
     }
-    out_.positions.push_back(Vec3f(surface_.positions[v]));
-    out_.normals.push_back(PackedNormal::pack(Vec3f(surface_.normals[v])));
-    vertex_uv_.push_back({float(surface_.uv[v].x), float(surface_.uv[v].y)});
+    out_.positions.push_back(Vec3f(surface_->positions[v]));
+    out_.normals.push_back(PackedNormal::pack(Vec3f(surface_->normals[v])));
+    vertex_uv_.push_back({float(surface_->uv[v].x), float(surface_->uv[v].y)});
     return std::uint32_t(out_.positions.size()) - 1;
   }
   std::uint32_t shared_vertex(std::uint32_t v) {
@@ -206,13 +209,39 @@ class Tessellator {
   }
 
   const Mesh& mesh_;
-  const int level_;
-  const ShownSurface surface_;
+  const ShownSurface* const surface_;
+  Tessellation& out_;
+  std::vector<Vec2f>& vertex_uv_;  // of the output
+  const std::uint32_t leaf_, first_origin_;
   std::vector<std::uint32_t> grid_vertices_, shared_;
-  std::vector<Vec2f> vertex_uv_;  // of the output
   std::uint32_t grid_width_ = 0, grid_origin_ = 0;
-  Tessellation out_;
 };
+
+void pack_uv(const std::vector<Vec2f>& vertex_uv, Tessellation& out) {
+  Vec2f low{INFINITY, INFINITY}, high{-INFINITY, -INFINITY};
+  for (Vec2f uv : vertex_uv) {
+    low = {std::min(low.x, uv.x), std::min(low.y, uv.y)};
+    high = {std::max(high.x, uv.x), std::max(high.y, uv.y)};
+  }
+  const UvFrame frame = UvFrame::over(low, high);
+  for (Tessellation::Leaf& leaf : out.leaves) leaf.uv_frame = frame;
+  out.uv.reserve(vertex_uv.size());
+  for (Vec2f uv : vertex_uv) out.uv.push_back(frame.pack(uv));
+}
+
+// Vectors may have grown by doubling. One position more: Embree reads 16 bytes of the last.
+void shrink_to_fit(Tessellation& t) {
+  if (t.positions.capacity() != t.positions.size() + 1) {
+    std::vector<Vec3f> exact;
+    exact.reserve(t.positions.size() + 1);
+    exact.assign(t.positions.begin(), t.positions.end());
+    t.positions.swap(exact);
+  }
+  t.normals.shrink_to_fit();
+  t.grids.shrink_to_fit();
+  t.triangles.shrink_to_fit();
+  t.triangle_sources.shrink_to_fit();
+}
 
 }  // namespace
 
@@ -235,29 +264,23 @@ Bounds3f Tessellation::bounds() const {
   return b;
 }
 
-Tessellation tessellate(const CellMesh& cell, int level, std::span<const std::uint32_t> root_corners, int refinements,
-                        const std::optional<RefineOptions>& smoothing) {
-  Tessellator tessellator(cell, level, smoothing);
-  if (refinements < 1) {
-    for (std::uint32_t f = 0; f < cell.owned_faces; ++f) tessellator.add_polygon(f);
-    return tessellator.take();
+Tessellation tessellate(const CellMesh& cell, int level, const Squares& squares,
+                        const std::optional<RefineOptions>& smoothing, std::span<const DoneFaces> done) {
+  Tessellation out;
+  std::vector<Vec2f> vertex_uv;
+  if (squares.refinements > 0 && cell.mesh.frozen.empty()) {
+    const std::size_t vertices = vertices_of(squares);
+    out.positions.reserve(vertices + 1);
+    out.normals.reserve(vertices);
+    vertex_uv.reserve(vertices);
   }
-  const auto levels_of = [&](std::uint32_t corners) { return corners == 4 ? refinements : refinements - 1; };
-  const auto squares_of = [](std::uint32_t corners) { return corners == 4 ? 1 : corners; };
-  std::size_t vertices = 0;
-  for (std::uint32_t corners : root_corners) {
-    const std::size_t width = (std::size_t(1) << levels_of(corners)) + 1;
-    vertices += squares_of(corners) * width * width;
-  }
-  if (cell.mesh.frozen.empty()) tessellator.reserve(vertices);
-  std::uint32_t first = 0;
-  for (std::uint32_t corners : root_corners) {
-    const int levels = levels_of(corners);
-    const std::uint32_t squares = squares_of(corners);
-    for (std::uint32_t i = 0; i < squares; ++i, first += 1u << (2 * levels)) tessellator.add_grid(first, levels);
-  }
-  CHECK(first == cell.owned_faces, "{} faces in squares, {} owned", first, cell.owned_faces);
-  return tessellator.take();
+  const ShownSurface surface(cell, smoothing);
+  Tessellator(cell.mesh, level, &surface, out, vertex_uv).add(cell.owned_faces, squares);
+  for (const DoneFaces& d : done)
+    Tessellator(d.mesh, d.level, nullptr, out, vertex_uv).add(d.mesh.face_count(), d.squares);
+  pack_uv(vertex_uv, out);
+  shrink_to_fit(out);
+  return out;
 }
 
 }  // namespace meristem

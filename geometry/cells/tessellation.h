@@ -26,7 +26,8 @@ struct Tessellation {
     std::uint32_t origin;
     std::uint32_t leaf;
   };
-  // What all of one leaf cell share; there are several only where many were put together.
+  // What faces share that were done at one level; there are several where parts of a cell, or many cells, were put
+  // together.
   struct Leaf {
     UvFrame uv_frame;
     int level = 0;  // steps of the model that were done
@@ -64,12 +65,31 @@ void for_each_triangle(const Tessellation& t, const Visit& visit) {
 // that scheme, without, the mesh's own and the means of its face normals.
 LimitSurface shown_surface(const CellMesh& cell, const std::optional<RefineOptions>& smoothing);
 
-// Of the final mesh of a cell after `level` steps, with one ring of halo. `root_corners` holds the corner counts of the
-// owned faces from which the last `refinements` Catmull-Clark steps made the mesh (each quad a square of 4^refinements
-// faces, each n-gon n squares of 4^(refinements - 1)). Positions and normals are those of shown_surface(), frozen
-// vertices are shown where they were frozen; squares in which the last refinements made nothing but copies become
-// coarser grids.
-Tessellation tessellate(const CellMesh& cell, int level, std::span<const std::uint32_t> root_corners, int refinements,
-                        const std::optional<RefineOptions>& smoothing);
+// How owned faces stand in squares: `corners` holds the corner counts of the faces from which the last `refinements`
+// Catmull-Clark steps made them (each quad a square of 4^refinements faces, each n-gon n squares of
+// 4^(refinements - 1)). Without refinements every face stands for itself.
+struct Squares {
+  std::vector<std::uint32_t> corners;
+  int refinements = 0;
+
+  // What has come of one face.
+  std::uint32_t faces_of(std::uint32_t face_corners) const {
+    if (refinements < 1) return 1;
+    return face_corners == 4 ? 1u << (2 * refinements) : face_corners << (2 * (refinements - 1));
+  }
+};
+
+// Faces that were done before the rest of their cell, after `level` steps: all their vertices are frozen.
+struct DoneFaces {
+  Mesh mesh;
+  int level = 0;
+  Squares squares;
+};
+
+// Of the final mesh of a cell after `level` steps, with one ring of halo, and of what was done before. Positions and
+// normals are those of shown_surface(), frozen vertices are shown where they were frozen; squares in which the last
+// refinements made nothing but copies become coarser grids.
+Tessellation tessellate(const CellMesh& cell, int level, const Squares& squares,
+                        const std::optional<RefineOptions>& smoothing, std::span<const DoneFaces> done = {});
 
 }  // namespace meristem

@@ -112,10 +112,12 @@ class GrowStep::Application {
   void run() {
     out_.owned_faces = 0;
     out_.rings.clear();
+    out_.labels.clear();
     for (std::uint32_t f = 0; f < in_.mesh.face_count(); ++f) {
       const std::uint32_t before = out_.mesh.face_count();
       if (!grow(f)) keep(f);
       if (f < in_.owned_faces) out_.owned_faces = out_.mesh.face_count();
+      if (f < in_.labels.size()) out_.labels.resize(out_.owned_faces, in_.labels[f]);
       out_.rings.resize(out_.mesh.face_count(), f < in_.rings.size() ? in_.rings[f] : std::uint8_t(0));
       CHECK(out_.mesh.face_count() > before, "face {} vanished", f);
     }

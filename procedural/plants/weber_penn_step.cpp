@@ -205,6 +205,7 @@ class WeberPennStep::Application {
     reserve();
     out_.owned_faces = 0;
     out_.rings.clear();
+    out_.labels.clear();
     for (std::uint32_t f = 0; f < in_.mesh.face_count(); ++f) {
       const FaceOrigin& origin = in_.mesh.origins[in_.mesh.face_origins[f]];
       if (step_.grows(origin.symbol))
@@ -212,6 +213,7 @@ class WeberPennStep::Application {
       else
         keep(f);
       if (f < in_.owned_faces) out_.owned_faces = out_.mesh.face_count();
+      if (f < in_.labels.size()) out_.labels.resize(out_.owned_faces, in_.labels[f]);
       out_.rings.resize(out_.mesh.face_count(), f < in_.rings.size() ? in_.rings[f] : std::uint8_t(0));
     }
     Mesh& o = out_.mesh;

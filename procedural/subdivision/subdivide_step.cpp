@@ -120,6 +120,9 @@ void SubdivideStep::apply(const CellMesh& in, int rings_after, CellMesh& out) co
   RefinedMesh refined = refine(in.mesh, *plan, settings_.quantum, settings_.step_key);
   out.owned_faces = plan->owned_faces;
   out.rings = plan->rings;
+  out.labels.clear();
+  if (!in.labels.empty())
+    for (std::uint32_t f = 0; f < plan->owned_faces; ++f) out.labels.push_back(in.labels[plan->face_parents[f]]);
   out.mesh = std::move(refined.mesh);
   if (settings_.place) place_vertices(in.mesh, *plan, refined, out.mesh);
 }

@@ -2,7 +2,7 @@
 // 1,048,576 quads, five levels of which three are placed, split into cells of some 1000 quads, halos and Embree's
 // hierarchies included; on one thread, by processor time. And what it leaves behind: bytes a triangle.
 //
-//   bench_expansion [RUNS]
+//   bench_expansion [RUNS] [FACES OF A LEAF] [SIDE OF THE BASE MESH]
 #include "geometry/base/parallel.h"
 #include "tests/bench/process_memory.h"
 #include "tests/bench/terrain.h"
@@ -16,13 +16,15 @@ using namespace meristem;
 
 int main(int argc, char** argv) {
   const int runs = argc > 1 ? std::max(1, std::atoi(argv[1])) : 5;
-  constexpr std::uint32_t side = 32;
+  const auto side = std::uint32_t(argc > 3 ? std::atoi(argv[3]) : 32);
   constexpr int levels = 5;
-  constexpr double quads = double(side) * side * (1 << 2 * levels);
+  const double quads = double(side) * side * (1 << 2 * levels);
+  CellSettings settings;
+  if (argc > 2) settings = {std::uint32_t(std::atoi(argv[2])), 8 * std::uint32_t(std::atoi(argv[2]))};
   flush_denormals();
   std::vector<double> times;
   for (int run = 0; run < runs; ++run) {
-    const auto model = terrain(side, levels);
+    const auto model = terrain(side, levels, settings);
     const std::size_t before = resident_set_bytes();
     const std::clock_t start = std::clock();
     const auto world = terrain_world(model, {.mode = ExpandMode::Eager});

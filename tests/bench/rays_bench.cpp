@@ -1,7 +1,7 @@
 // What it costs rays that geometry is made of cells: incoherent rays over a displaced terrain of 1,048,576 quads, all
 // resident, against the same faces in one Embree scene of grids; the two in turns, on one thread, by processor time.
 //
-//   bench_rays [ROUNDS]
+//   bench_rays [ROUNDS] [FACES OF A LEAF]
 #include "geometry/base/parallel.h"
 #include "tests/bench/terrain.h"
 
@@ -38,7 +38,9 @@ double speed(const Intersector& world, Key round, int& hits) {
 int main(int argc, char** argv) {
   const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 7;
   flush_denormals();
-  const auto model = terrain(32, 5);
+  CellSettings settings;
+  if (argc > 2) settings = {std::uint32_t(std::atoi(argv[2])), 8 * std::uint32_t(std::atoi(argv[2]))};
+  const auto model = terrain(32, 5, settings);
   const auto cells = terrain_world(model, {.mode = ExpandMode::Eager}),
              flat = terrain_world(model, {.mode = ExpandMode::Flat});
   std::vector<double> of_cells, of_flat, ratios;

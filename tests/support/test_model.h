@@ -28,6 +28,9 @@ class BumpyStep final : public Step {
     const LocalGeometry local = local_geometry(*plan, refined, quantum_, false);
     out.owned_faces = plan->owned_faces;
     out.rings = plan->rings;
+    out.labels.clear();
+    if (!in.labels.empty())
+      for (std::uint32_t f = 0; f < plan->owned_faces; ++f) out.labels.push_back(in.labels[plan->face_parents[f]]);
     out.mesh = std::move(refined.mesh);
     for (std::size_t i = 0; i < out.mesh.positions.size(); ++i) {
       const double r = 2 * uniform_double(hash_keys(out.mesh.vertex_keys[i], key_)) - 1;

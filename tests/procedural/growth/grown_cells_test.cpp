@@ -1,0 +1,115 @@
+// Models that grow and are then refined, cut into cells: what the cells are bounded by, and that they fit together.
+#include "geometry/cells/expansion.h"
+#include "procedural/subdivision/subdivide_step.h"
+#include "tests/procedural/growth/derivation.h"
+#include "tests/support/point_footprint.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <map>
+
+namespace meristem {
+namespace {
+
+using test::Derivation;
+
+// A shoot of segments that turn anyhow and fork, with spikes on its sides, smoothed and then displaced.
+std::shared_ptr<const Model> shrub(const CellSettings& settings) {
+  Derivation d(R"json({"type": "prism", "sides": 6, "radius": 0.1, "height": 0.3, "cap": "shoot(4)"})json",
+               {R"json({"grow": 8, "rules": {
+                   "shoot(n)": [{"if": "n > 0", "template": "fork", "length": 0.3, "angle": "50 + 30*rand()",
+                                 "roll": "360*rand()", "faces": {"left": "stem(n - 1)", "right": "stem(n - 2)"}},
+                                {"if": "n <= 0", "template": "spike", "length": 0.2}],
+                   "stem(n)": {"template": "segment", "length": 0.3, "taper": 0.9, "bend": "40*rand()",
+                               "bend_direction": "360*rand()", "faces": {"cap": "shoot(n)", "side": "thorn"}},
+                   "thorn": {"if": "rand() < .3", "template": "spike", "length": "radius"}}})json"});
+  EXPECT_TRUE(d.messages().empty());
+  std::vector<std::unique_ptr<Step>> steps;
+  for (auto& step : d.steps) steps.push_back(std::move(step));
+  const auto place = Expression::compile("0.1*scale*N*snoise(9*P)", placement_symbols(), ValueType::Vector);
+  for (int level = 1; level <= 4; ++level) {
+    SubdivideStep::Settings s;
+    s.place = level > 2 ? place : nullptr;
+    s.level = level;
+    s.step_key = hash_keys(3, Key(level));
+    steps.push_back(std::make_unique<SubdivideStep>(s));
+  }
+  return std::make_shared<const Model>("shrub", d.base, std::move(steps), settings);
+}
+
+using Point = std::array<float, 3>;
+
+// All final cells of a model: how they lie in the boxes that were foretold, and whether their triangles, each edge bit
+// for bit passed as often in one direction as in the other, close.
+struct Cells {
+  int leaves = 0, outside = 0;
+  double box_area = 0, real_area = 0;
+  std::uint64_t made_faces = 0;
+  std::map<std::pair<Point, Point>, int> balance;
+
+  Cells(const Model& model, const Footprint* footprint) : model_(model) {
+    visit(root_cell(model, footprint), 0, model_bounds(model));
+  }
+  bool is_closed() const {
+    return std::ranges::all_of(balance, [](const auto& edge) { return edge.second == 0; });
+  }
+
+ private:
+  static double area(const Bounds3f& b) {
+    const Vec3f s = b.size();
+    return double(s.x * s.y + s.y * s.z + s.z * s.x);
+  }
+
+  void visit(CellMesh cell, int level, const Bounds3f& bounds) {
+    const Expansion e = expand(model_, std::move(cell), level);
+    made_faces += e.faces;
+    for (std::size_t i = 0; e.inner && i < e.inner->child_count(); ++i)
+      visit(child_cell(model_, *e.inner, i), e.inner->level, e.inner->child_bounds[i]);
+    if (!e.leaf) return;
+    ++leaves;
+    outside += !bounds.contains(e.leaf->bounds());
+    box_area += area(bounds);
+    real_area += area(e.leaf->bounds());
+    for_each_triangle(*e.leaf, [&](const std::array<std::uint32_t, 3>& t, std::uint32_t) {
+      for (std::size_t k = 0; k < 3; ++k) pass(e.leaf->positions[t[k]], e.leaf->positions[t[(k + 1) % 3]]);
+    });
+  }
+
+  void pass(Vec3f a, Vec3f b) {
+    const Point p{a.x, a.y, a.z}, q{b.x, b.y, b.z};
+    if (p < q) ++balance[{p, q}];
+    if (q < p) --balance[{q, p}];
+  }
+
+  const Model& model_;
+};
+
+constexpr CellSettings small_cells{64, 128}, large_cells{256, 256};
+
+TEST(GrownCells, LieInTightBoxesAndFitTogether) {
+  const PointFootprint near({0.3, 0.5, 0}, 0.005), far({3, 0.5, 0}, 0.003);
+  for (const CellSettings& settings : {small_cells, large_cells}) {
+    const auto model = shrub(settings);
+    for (const Footprint* footprint : {static_cast<const Footprint*>(nullptr), static_cast<const Footprint*>(&near),
+                                       static_cast<const Footprint*>(&far)}) {
+      const Cells cells(*model, footprint);
+      EXPECT_GT(cells.leaves, 10);
+      EXPECT_EQ(cells.outside, 0);
+      EXPECT_TRUE(cells.is_closed());
+      EXPECT_LT(cells.box_area, 8 * cells.real_area) << settings.leaf_faces;
+    }
+  }
+}
+
+// Thorns far smaller than a pixel are done long before the stem they stand on.
+TEST(GrownCells, NoLevelIsSpentOnFacesThatAreDone) {
+  const PointFootprint near({0.3, 0.5, 0}, 0.05);
+  const auto model = shrub({1u << 20, 1u << 20});
+  const Cells cells(*model, &near), all(*model, nullptr);
+  EXPECT_TRUE(cells.is_closed());
+  EXPECT_LT(cells.made_faces, all.made_faces / 3);
+}
+
+}  // namespace
+}  // namespace meristem
