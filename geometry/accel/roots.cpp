@@ -7,10 +7,12 @@ namespace meristem {
 
 namespace {
 
-// Those of the very individual, where they can be had before it is expanded.
+// Those of the very individual, where they can be had before it is expanded. Most of what is placed is never met: so
+// not from all that grows on it. The twigs of a tree are many and reach little beyond its branches.
 void find_bounds(RootSource& source) {
+  constexpr int derived_levels = 2;
   if (source.part->derives)
-    source.bounds = model_bounds(*source.part->model, source.footprint.get(), source.individual);
+    source.bounds = model_bounds(*source.part->model, source.footprint.get(), source.individual, derived_levels);
 }
 
 }  // namespace

@@ -62,9 +62,20 @@ class Expander {
     if (is_leaf_) return Next::Step;
     const bool may_split = level_ > first_level_ || cell_.owned_faces > model_.settings().inner_faces;
     if (!may_split) return Next::Step;
+    if (has_many_thinning_buds()) return Next::Split;
     const bool children_are_leaves = largest_estimate() <= model_.settings().leaf_faces;
     const double after = double(cell_.owned_faces) * (model_.step(level_).refines() ? 4 : 2);
     return children_are_leaves || after > model_.settings().inner_faces ? Next::Split : Next::Step;
+  }
+
+  // Of a plant: every branch can be met alone, before it brings its twigs along.
+  bool has_many_thinning_buds() const {
+    constexpr int many = 16;
+    const Step& step = model_.step(level_);
+    int buds = 0;
+    for (std::uint32_t f = 0; f < cell_.owned_faces && step.thins() && buds < many; ++f)
+      buds += step.grows(cell_.mesh.origins[cell_.mesh.face_origins[f]].symbol);
+    return buds >= many;
   }
 
   // The faces from which the run of refinements at the end starts: they become the leaf's grids.
@@ -167,9 +178,9 @@ Bounds3f model_bounds(const Model& model) {
   return round_outwards(final_bounds(model, region_extent(model, mesh, Adjacency(mesh), all_faces(mesh), 0), 0));
 }
 
-Bounds3f model_bounds(const Model& model, const Footprint* footprint, Key individual) {
+Bounds3f model_bounds(const Model& model, const Footprint* footprint, Key individual, int derived_levels) {
   const CellMesh cell = root_cell(model, footprint, individual);
-  return round_outwards(region_bounds(model, cell, Adjacency(cell.mesh), all_faces(cell.mesh), 0));
+  return round_outwards(region_bounds(model, cell, Adjacency(cell.mesh), all_faces(cell.mesh), 0, derived_levels));
 }
 
 }  // namespace meristem

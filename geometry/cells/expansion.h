@@ -55,8 +55,9 @@ CellMesh child_cell(const Model& model, const InnerCell& parent, std::size_t chi
 Expansion expand(const Model& model, CellMesh cell, int level);
 
 // Bounds of the whole model, before anything is expanded, whichever individual and footprint; and of one individual as
-// seen with a footprint, which are closer where steps can derive them.
+// seen with a footprint, which are closer where steps can derive them: the more of their levels, the closer, and the
+// dearer (Step::derive).
 Bounds3f model_bounds(const Model& model);
-Bounds3f model_bounds(const Model& model, const Footprint* footprint, Key individual);
+Bounds3f model_bounds(const Model& model, const Footprint* footprint, Key individual, int derived_levels);
 
 }  // namespace meristem

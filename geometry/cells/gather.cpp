@@ -160,9 +160,10 @@ class ChildMaker {
       if (const auto outlooks = look_ahead(model_, inner_.cell, inner_.level, group_of, count))
         return join_neighbors(*outlooks);
     }
+    constexpr int derived_levels = 2;  // a branch and its twigs; more is dear, and most branches are never met
     for (std::size_t child = 0; child < count; ++child)
-      inner_.child_bounds.push_back(round_outwards(
-          region_bounds(model_, inner_.cell, *inner_.adjacency, inner_.faces_of_child(child), inner_.level)));
+      inner_.child_bounds.push_back(round_outwards(region_bounds(
+          model_, inner_.cell, *inner_.adjacency, inner_.faces_of_child(child), inner_.level, derived_levels)));
   }
 
   // Children that follow each other become one as long as they make one leaf and their common box is not much larger

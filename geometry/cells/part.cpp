@@ -26,8 +26,8 @@ Part::Part(std::shared_ptr<const Model> shown)
     : model(std::move(shown)),
       bounds(model_bounds(*model)),
       derives(model->levels() > 0 && model->step(0).grows(model->base().mesh.origins[0].symbol) &&
-              model->step(0).derive(model->base(), 0)),
-      typical(derives ? model_bounds(*model, nullptr, 0) : bounds) {}
+              model->step(0).derive(model->base(), 0, 1)),
+      typical(derives ? model_bounds(*model, nullptr, 0, model->levels()) : bounds) {}
 
 Part::Part(std::shared_ptr<const Model> ground, std::shared_ptr<const Placer> on_it)
     : model(std::move(ground)),

@@ -188,7 +188,7 @@ Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adja
 }
 
 Bounds3d region_bounds(const Model& model, const CellMesh& cell, const Adjacency& adjacency,
-                       std::span<const std::uint32_t> faces, int level) {
+                       std::span<const std::uint32_t> faces, int level, int derived_levels) {
   const Mesh& mesh = cell.mesh;
   const auto bounds_of = [&](std::span<const std::uint32_t> part) {
     return final_bounds(model, region_extent(model, mesh, adjacency, part, level), level);
@@ -201,7 +201,8 @@ Bounds3d region_bounds(const Model& model, const CellMesh& cell, const Adjacency
     const bool is_alone = std::all_of(corners.begin(), corners.end(),
                                       [&](std::uint32_t v) { return adjacency.faces_of_vertex(v).size() == 1; });
     const int step = model.growing_step(mesh.origins[mesh.face_origins[f]].symbol, level);
-    const auto of_face = is_alone && step < model.levels() ? model.step(step).derive(cell, f) : std::nullopt;
+    const auto of_face =
+        is_alone && step < model.levels() ? model.step(step).derive(cell, f, derived_levels) : std::nullopt;
     (of_face ? derived : others).push_back(f);
     if (!of_face) continue;
     box.extend(of_face->box);

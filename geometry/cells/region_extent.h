@@ -13,8 +13,8 @@ Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adja
                      std::span<const std::uint32_t> faces, int level);
 
 // Final bounds of everything that comes of the listed owned faces of a cell before step `level`: by that extent, but
-// for what steps can derive (Step::derive).
+// for what steps can derive (Step::derive), so many levels of it.
 Bounds3d region_bounds(const Model& model, const CellMesh& cell, const Adjacency& adjacency,
-                       std::span<const std::uint32_t> faces, int level);
+                       std::span<const std::uint32_t> faces, int level, int derived_levels);
 
 }  // namespace meristem

@@ -52,10 +52,10 @@ class Step {
   // The extent after the step of everything that comes of a region with extent `e`.
   virtual Extent bound(const Extent& e) const = 0;
   // Bounds of all that this step and those after it make of a face that it grows and that shares no vertex with others,
-  // found by deriving it without meshes: tighter than bound(), since they are those of this face's key. None: it
-  // cannot.
-  virtual std::optional<DerivedBounds> derive(const CellMesh& cell, std::uint32_t face) const {
-    (void)cell, (void)face;
+  // found by deriving it without meshes: tighter than bound(), since they are those of this face's key. The first
+  // `levels` levels are derived, from this on, and what grows on them is bounded for any key. None: it cannot.
+  virtual std::optional<DerivedBounds> derive(const CellMesh& cell, std::uint32_t face, int levels) const {
+    (void)cell, (void)face, (void)levels;
     return {};
   }
   // The longest displacement after refining a part of that extent to a local scale of at most `scale`.

@@ -105,10 +105,11 @@ StemBud WeberPennStep::bud_of(const CellMesh& in, std::uint32_t f) const {
   return {level_, key, axes, q[bud_length], q[bud_base_radius], q[bud_children], q[bud_inset], q[bud_scale]};
 }
 
-// The skeleton of a stem and of all that grows on it, for its bounds.
+// The skeleton of a stem and of what grows on it, down to a level, for its bounds.
 class WeberPennStep::Derivation {
  public:
-  Derivation(const WeberPennStep& step, const CellMesh& in) : step_(step), p_(step.plant_->parameters), in_(in) {}
+  Derivation(const WeberPennStep& step, const CellMesh& in, int last_level)
+      : step_(step), p_(step.plant_->parameters), in_(in), last_level_(last_level) {}
 
   void add(const StemBud& bud) {
     const double footprint = step_.footprint_at(in_, bud.frame.origin);
@@ -118,7 +119,9 @@ class WeberPennStep::Derivation {
     box.extend(own);
     if (stem.bears_leaves()) return;
     const double longest = (p_.at(bud.level + 1).length + p_.at(bud.level + 1).length_v) * bud.length;
-    if (box.contains(own.inflated(Vec3d(reach_of_all(bud.level + 1, longest, bud.radius, footprint))))) return;
+    const Bounds3d with_children = own.inflated(Vec3d(reach_of_all(bud.level + 1, longest, bud.radius, footprint)));
+    if (bud.level == last_level_) box.extend(with_children);
+    if (box.contains(with_children)) return;
     std::vector<StemChild> children;
     stem.find_children(children);
     for (StemChild& child : children) {
@@ -184,6 +187,7 @@ class WeberPennStep::Derivation {
   const WeberPennStep& step_;
   const WeberPennParameters& p_;
   const CellMesh& in_;
+  const int last_level_;
 };
 
 // One run of apply().
@@ -371,8 +375,8 @@ void WeberPennStep::apply(const CellMesh& in, int rings_after, CellMesh& out) co
   if (out.owned_faces < out.mesh.face_count()) trim_halo(out, rings_after);
 }
 
-std::optional<DerivedBounds> WeberPennStep::derive(const CellMesh& in, std::uint32_t face) const {
-  Derivation derivation(*this, in);
+std::optional<DerivedBounds> WeberPennStep::derive(const CellMesh& in, std::uint32_t face, int levels) const {
+  Derivation derivation(*this, in, level_ + levels - 1);
   derivation.add(bud_of(in, face));
   // The bud itself may remain as a speck; positions are rounded once a level
   const double slack = bud_radius + 1e-9 * derivation.box.diagonal();

@@ -43,7 +43,7 @@ class WeberPennStep final : public Step {
   std::uint32_t max_children(std::uint32_t corners) const override;  // about so many, for cutting cells
   void apply(const CellMesh& in, int rings_after, CellMesh& out) const override;
   Extent bound(const Extent& e) const override;
-  std::optional<DerivedBounds> derive(const CellMesh& in, std::uint32_t face) const override;
+  std::optional<DerivedBounds> derive(const CellMesh& in, std::uint32_t face, int levels) const override;
   bool grows(std::int32_t symbol) const override { return symbol == bud_symbol(level_); }
   std::string symbol_name(std::int32_t symbol) const override { return grows(symbol) ? "bud of " + name() : ""; }
   bool thins() const override { return true; }

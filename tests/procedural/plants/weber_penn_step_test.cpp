@@ -125,7 +125,7 @@ Bounds3f walk(const Model& model, CellMesh cell, int level, const Bounds3f& boun
 
 Walk walk_whole(const Model& model, const Footprint* footprint = nullptr, Key individual = 0) {
   Walk result;
-  const Bounds3f derived = model_bounds(model, footprint, individual);
+  const Bounds3f derived = model_bounds(model, footprint, individual, model.levels());
   EXPECT_TRUE(model_bounds(model).contains(derived));
   result.bounds = walk(model, root_cell(model, footprint, individual), 0, derived, result);
   std::sort(result.surface.begin(), result.surface.end());
@@ -151,7 +151,7 @@ TEST(WeberPennStep, GrowsTheSameBitsInWhateverCellsAndInsideItsBounds) {
 TEST(WeberPennStep, BoundsOfIndividualsContainAndAreClose) {
   for (const PlantSpecies& species : plant_species()) {
     if (expected_children(species.parameters, 3) > 100) continue;  // a willow takes a second
-    double box = 0, real = 0;
+    double box = 0, rough = 0, real = 0;
     const auto model = tree_model(fmt::format(R"("species": "{}")", species.name), 0, 1);
     for (const double footprint : {0.3, 2.0, 20.0}) {
       const ConstantFootprint seen(footprint);
@@ -159,12 +159,15 @@ TEST(WeberPennStep, BoundsOfIndividualsContainAndAreClose) {
         const Walk tree = walk_whole(*model, &seen, individual);
         EXPECT_EQ(tree.outside, 0) << species.name << " " << footprint;
         if (footprint > 1) continue;
-        const Bounds3f bounds = model_bounds(*model, &seen, individual);
-        box += half_area(bounds);
+        const Bounds3f of_branches = model_bounds(*model, &seen, individual, 2);
+        EXPECT_TRUE(of_branches.contains(tree.bounds)) << species.name;
+        box += half_area(model_bounds(*model, &seen, individual, model->levels()));
+        rough += half_area(of_branches);
         real += half_area(tree.bounds);
       }
     }
     EXPECT_LT(box, 1.5 * real) << species.name;
+    EXPECT_LT(rough, 8 * real) << species.name;  // a weeping willow; others less than 3
   }
 }
 
