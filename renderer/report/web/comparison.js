@@ -66,10 +66,15 @@ function add_budgets(variants) {
     "Repeated expansions against the budget",
     "Dots are measured, one render each. The line is what the profile of the smallest budget foretold for the " +
       "larger ones, without rendering them: " +
-      "how close it comes to the dots tells how far the advice in a single profile can be trusted.",
+      "how close it comes to the dots tells how far the advice in a single profile can be trusted. A render that " +
+      "expands nothing again stands at what it holds.",
   );
   const curve = reuse_curve(lazy[0].stats.profile);
-  const measured = new Map(lazy.map((v) => [v.stats.profile.budget_bytes, v.stats.profile.reuse.reexpanded]));
+  const place_of = ({ profile, expansion }) =>
+    profile.reuse.reexpanded
+      ? profile.budget_bytes
+      : Math.min(profile.budget_bytes, expansion.resident_bytes_peak);
+  const measured = new Map(lazy.map((v) => [place_of(v.stats), v.stats.profile.reuse.reexpanded]));
   const x = [...new Set([...curve.x, ...measured.keys()])].sort((a, b) => a - b);
   const foretold = (at) => {
     let y = curve.y[0];
