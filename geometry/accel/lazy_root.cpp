@@ -269,7 +269,7 @@ class LazyRoot final : public ModelRoot {
   GeometryCache& cache_;
   ExpansionCounts& counts_;
   const Bounds3f reach_;  // of what stands on it; empty: it is shown itself
-  const Key name_;  // of its root cell, for rays that wait
+  const Key name_;        // of its root cell, for rays that wait
   mutable CacheSlot slot_;
 };
 

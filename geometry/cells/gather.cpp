@@ -3,8 +3,8 @@
 #include "geometry/base/check.h"
 #include "geometry/cells/extract.h"
 #include "geometry/cells/level_of_detail.h"
+#include "geometry/cells/look_ahead.h"
 #include "geometry/cells/numbering.h"
-#include "geometry/cells/probe.h"
 #include "geometry/cells/region_extent.h"
 
 #include <algorithm>

@@ -23,9 +23,8 @@ ExrPart matte_part(const Film& film, Aov aov, const std::vector<std::string>& na
 
 ExrPart data_part(const Film& film, Aov aov) {
   const AovInfo& info = info_of(aov);
-  return {info.name,          {info.channels.begin(), info.channels.end()},
-          film.develop(aov),  false,
-          aov == Aov::Albedo || aov == Aov::SecondHalf, {{"meristem:meaning", info.doc}}};
+  return {info.name, {info.channels.begin(), info.channels.end()}, film.develop(aov),
+          false,     aov == Aov::Albedo || aov == Aov::SecondHalf, {{"meristem:meaning", info.doc}}};
 }
 
 }  // namespace

@@ -121,8 +121,7 @@ TEST(PlyReader, BrokenFilesAreErrors) {
     EXPECT_TRUE(r.diagnostics.has_errors() || !must_fail);
     if (r.diagnostics.has_errors()) return;
     for (const std::uint32_t v : r.mesh.corner_positions) ASSERT_LT(v, r.mesh.positions.size());
-    for (const std::uint32_t uv : r.mesh.corner_uv)
-      ASSERT_TRUE(uv == PolygonMesh::none || uv < r.mesh.uv.size());
+    for (const std::uint32_t uv : r.mesh.corner_uv) ASSERT_TRUE(uv == PolygonMesh::none || uv < r.mesh.uv.size());
     for (const Vec3d p : r.mesh.positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
   };
   const std::string texts[] = {triangle_header + "0 0 0  1 0 0  0 1 0\n3 0 1 2", binary_tetrahedron(false),

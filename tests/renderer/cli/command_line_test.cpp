@@ -248,13 +248,12 @@ TEST_F(CommandLineTest, CheckSaysWhatWasLoaded) {
 }
 
 TEST_F(CommandLineTest, HelpVersionDescriptionAndSchemaGoToStandardOutput) {
-  for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"--help"},
-        {"--version"},
-        {"render", "--help"},
-        {"describe"},
-        {"describe", "--markdown"},
-        {"schema"}}) {
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--help"},
+                                                    {"--version"},
+                                                    {"render", "--help"},
+                                                    {"describe"},
+                                                    {"describe", "--markdown"},
+                                                    {"schema"}}) {
     EXPECT_EQ(run(arguments), 0);
     EXPECT_NE(out_, "") << arguments[0];
     EXPECT_EQ(error_, "");

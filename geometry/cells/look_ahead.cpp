@@ -1,4 +1,4 @@
-#include "geometry/cells/probe.h"
+#include "geometry/cells/look_ahead.h"
 
 #include "geometry/cells/level_of_detail.h"
 #include "geometry/mesh/contraction.h"
@@ -13,8 +13,8 @@ namespace {
 
 // Faces of the mesh ahead for each final face of the model: with 1/16, two levels of Catmull-Clark are left to
 // analysis.
-constexpr double probe_share = 1.0 / 64;
-constexpr std::uint32_t most_probe_faces = 1u << 18;
+constexpr double analysed_share = 1.0 / 64;
+constexpr std::uint32_t most_faces = 1u << 18;
 
 // What analysis needs of one face and its neighbours; joined by union.
 struct Surroundings {
@@ -105,7 +105,7 @@ class Lookahead {
   // Until only refinements follow or nothing finer is wanted; whether that was reached. Growth moves no vertex, so that
   // it does not matter when before a refinement they freeze.
   bool grow() {
-    while (level_ < grown_level_ && ahead_.owned_faces < most_probe_faces) {
+    while (level_ < grown_level_ && ahead_.owned_faces < most_faces) {
       if (model_.step(level_).refines()) {
         is_final_ = freeze_vertices(model_, ahead_, level_);
         if (is_final_) return true;
@@ -129,8 +129,8 @@ class Lookahead {
     bool is_refined = !is_displaced_later();
     while (!is_final_ && level_ < model_.levels()) {
       is_final_ = freeze_vertices(model_, ahead_, level_);
-      const bool is_worth_it = !is_refined || share() < probe_share;
-      if (is_final_ || !is_worth_it || ahead_.owned_faces >= most_probe_faces) break;
+      const bool is_worth_it = !is_refined || share() < analysed_share;
+      if (is_final_ || !is_worth_it || ahead_.owned_faces >= most_faces) break;
       apply_step();
       is_refined = true;
     }
