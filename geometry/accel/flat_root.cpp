@@ -10,8 +10,8 @@ namespace {
 class FlatRoot final : public ModelRoot {
  public:
   // The bounds are those a lazy root has, so that whatever depends on the scene's size is the same in every mode.
-  FlatRoot(Tessellation tessellation, const Model& model)
-      : ModelRoot(model_bounds(model)), patch_(std::move(tessellation)), key_(hash_text(model.name())) {}
+  FlatRoot(Tessellation tessellation, const Model& model, const Bounds3f& bounds)
+      : ModelRoot(bounds), patch_(std::move(tessellation)), key_(hash_text(model.name())) {}
   void intersect(RayContext& context, RTCRayHit& ray) const override { intersect_patch(patch_, key_, context, ray); }
   void occluded(RayContext& context, RTCRay& ray) const override {
     rtcOccluded1(patch_.scene(), &context.embree, &ray);
@@ -80,7 +80,7 @@ std::unique_ptr<ModelRoot> make_flat_root(const RootSource& source, ExpansionCou
   const Model& model = *source.part->model;
   CellMesh root = root_cell(model, source.footprint.get(), source.individual);
   Tessellation all = Flattener(model, counts, threads).flatten(std::move(root), 0);
-  return std::make_unique<FlatRoot>(std::move(all), model);
+  return std::make_unique<FlatRoot>(std::move(all), model, source.bounds);
 }
 
 }  // namespace meristem

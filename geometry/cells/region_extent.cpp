@@ -187,6 +187,20 @@ Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adja
   return builder.take(all);
 }
 
+namespace {
+
+// Where vertices of the faces stay that were fine enough on an earlier level: later ones have moved away from there.
+Bounds3d frozen_bounds(const Model& model, const Mesh& mesh, std::span<const std::uint32_t> faces) {
+  Bounds3d bounds;
+  if (mesh.frozen.empty()) return bounds;
+  for (std::uint32_t f : faces)
+    for (std::uint32_t v : mesh.corners(f))
+      if (mesh.frozen[v].is_frozen) bounds.extend(Vec3d(mesh.frozen[v].position));
+  return bounds.empty() ? bounds : bounds.inflated(Vec3d(model.quantum().step()));
+}
+
+}  // namespace
+
 Bounds3d region_bounds(const Model& model, const CellMesh& cell, const Adjacency& adjacency,
                        std::span<const std::uint32_t> faces, int level, int derived_levels) {
   const Mesh& mesh = cell.mesh;
@@ -208,7 +222,7 @@ Bounds3d region_bounds(const Model& model, const CellMesh& cell, const Adjacency
     box.extend(of_face->box);
     after = std::max(after, step + of_face->levels);
   }
-  Bounds3d bounds;
+  Bounds3d bounds = frozen_bounds(model, mesh, faces);
   if (!others.empty()) bounds.extend(bounds_of(others));
   if (derived.empty()) return bounds;
   Extent e = region_extent(model, mesh, adjacency, derived, level);

@@ -92,14 +92,29 @@ Affine3d standing(Vec3d axis) {
   return Affine3d::rotation(turn / sine, std::atan2(sine, dot(up, axis)));
 }
 
-// Of one individual, from its first expansion: far closer than what holds for all that a model could grow to. A coarser
-// level of detail may stand out from it a little.
+void extend_by_vertices(const CellMesh& cell, Bounds3f& bounds) {
+  for (std::uint32_t f = 0; f < cell.owned_faces; ++f)
+    for (std::uint32_t v : cell.mesh.corners(f)) bounds.extend(Vec3f(cell.mesh.positions[v]));
+}
+
+// Of one individual, from its first expansion: far closer than what holds for all that a model could grow to. Seen
+// small it stays on a level before that, whose vertices stand out from the surface they are smoothed to; those of the
+// levels after it may do so a little.
 Bounds3f individual_bounds(const Part& part, Key individual) {
   if (!part.model || part.placer) return part.bounds;
-  const Expansion first = expand(*part.model, root_cell(*part.model, nullptr, individual), 0);
+  const Model& model = *part.model;
+  CellMesh cell = root_cell(model, nullptr, individual);
+  const Expansion first = expand(model, cell, 0);
   if (first.leaf) return part.bounds;
   Bounds3f bounds;
   for (const Bounds3f& child : first.inner->child_bounds) bounds.extend(child);
+  for (int level = 0; level < first.inner->level; ++level) {
+    extend_by_vertices(cell, bounds);
+    CellMesh next;
+    model.step(level).apply(cell, model.halo_rings(level + 1), next);
+    cell = std::move(next);
+  }
+  extend_by_vertices(cell, bounds);
   constexpr float margin = 0.05f;
   return bounds.inflated(Vec3f(margin * bounds.diagonal()));
 }

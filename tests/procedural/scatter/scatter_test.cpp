@@ -1,11 +1,12 @@
 #include "procedural/scatter/scatter.h"
 
 #include "geometry/cells/expansion.h"
-#include "tests/support/shapes.h"
+#include "tests/support/test_model.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <set>
 
 namespace meristem {
@@ -95,6 +96,30 @@ TEST(Scatter, NoTwoAreAlikeUnlessVariantsAreAskedFor) {
   s.variants = 6;
   for (const Placement& p : placed(Scatter(s, {{cube(), 1}}, 1), meadow())) variants.insert(p.individual);
   EXPECT_EQ(variants.size(), 6u);
+}
+
+// Calls visit(bounds) for every final cell below one.
+void visit_leaves(const Model& model, CellMesh cell, int level, const std::function<void(const Bounds3f&)>& visit) {
+  const Expansion e = expand(model, std::move(cell), level);
+  if (e.leaf) return visit(e.leaf->bounds());
+  for (std::size_t i = 0; i < e.inner->child_count(); ++i)
+    visit_leaves(model, child_cell(model, *e.inner, i), e.inner->level, visit);
+}
+
+// The corners of a cage stand out from the ball that it is smoothed to; seen small, the cage is what is shown.
+TEST(Scatter, BoundsOfAVariantHoldOnEveryLevelOfDetail) {
+  const auto model = bumpy_model(shapes::tetrahedron(), 7, 0);
+  ScatterSettings s = settings("0.05", "1");
+  s.variants = 3;
+  const Scatter scatter(s, {{std::make_shared<const Part>(model), 1}}, 1);
+  for (const Placement& p : placed(scatter, meadow())) {
+    ASSERT_FALSE(p.known_bounds.empty());
+    for (const double pixel : {10.0, 1.0, 0.3, 0.1}) {
+      const ConstantFootprint footprint(pixel);
+      visit_leaves(*model, root_cell(*model, &footprint, p.individual), 0,
+                   [&](const Bounds3f& real) { EXPECT_TRUE(p.known_bounds.contains(real)) << pixel; });
+    }
+  }
 }
 
 TEST(Scatter, WeightsChooseAmongKinds) {

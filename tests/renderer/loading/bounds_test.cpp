@@ -1,6 +1,7 @@
 // What grows in a cell stays in the bounds that its parent had foretold.
 #include "geometry/cells/expansion.h"
 #include "tests/renderer/loading/branch_scene.h"
+#include "tests/support/point_footprint.h"
 
 #include <gtest/gtest.h>
 
@@ -35,6 +36,32 @@ TEST(Bounds, ContainWhatIsGrownAndDisplaced) {
       }
   EXPECT_GT(count.cells, 10000);
   RecordProperty("cells", count.cells);
+}
+
+// What is fine enough before others have grown stays where it was, while the surface around it moves on.
+TEST(Bounds, ContainWhatStaysOnAnEarlierLevelWhileOthersGrow) {
+  const std::string text = R"json({
+    "base": { "type": "prism", "sides": 24, "ridges": 6, "radius": 0.19, "height": 0.1, "cap": "bud",
+      "side": "skin" },
+    "steps": [
+      { "grow": 3, "rules": { "bud": { "template": "segment", "length": 0.3,
+          "faces": { "cap": "bud", "side": "skin" } } } },
+      { "subdivide": 1 },
+      { "subdivide": 1, "place": ".9*scale*N*(3*abs(u - .5))^1.5" },
+      { "grow": 1, "rules": { "skin": { "if": "rand() < .3", "template": "extrude", "inset": 0.7, "height": "radius*.2",
+          "faces": { "cap": "spine" } } } },
+      { "grow": 1, "rules": { "spine": { "template": "spike", "length": ".1*rand()", "bend": 35 } } },
+      { "subdivide": 2 } ] })json";
+  Count count;
+  for (double pixel = 0.4; pixel > 0.05; pixel *= 0.8)
+    for (const int seed : {0, 1}) {
+      const auto model = model_of(text, seed, CellSettings{});
+      const PointFootprint footprint({0.5, 0.4, 0.5}, pixel);
+      const Count before = count;
+      check_cells(*model, root_cell(*model, &footprint), 0, model_bounds(*model), count);
+      EXPECT_EQ(count.outside, before.outside) << pixel << ", seed " << seed;
+    }
+  EXPECT_GT(count.cells, 100);
 }
 
 }  // namespace
