@@ -88,8 +88,9 @@ class Freezing {
     return active == 0;
   }
 
+  // Growth moves no vertex: until the next refinement there is no haste.
   void freeze() {
-    if (candidates_ == 0) return;
+    if (candidates_ == 0 || level_ == model_.levels() || !model_.step(level_).refines()) return;
     mesh_.frozen.resize(mesh_.vertex_count());
     const LimitSurface surface = shown_surface(cell_, model_.smoothing(level_));
     const std::vector<Vec2d> uv = vertex_uv(mesh_);

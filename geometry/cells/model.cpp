@@ -77,12 +77,17 @@ bool Model::is_two_refinements_in(int level) const {
          (level == 2 || !step(level - 3).refines());
 }
 
-std::optional<RefineOptions> Model::smoothing(int level) const {
-  if (level == 0 || !step(level - 1).refines()) return {};
-  if (level == levels()) return step(level - 1).displaces() ? std::nullopt : step(level - 1).refinement();
-  for (int i = level; i < levels(); ++i)
-    if (!step(i).refines() || step(i).displaces() || step(i).refinement() != step(level).refinement()) return {};
-  return step(level).refinement();
+std::optional<Smoothing> Model::smoothing(int level) const {
+  const bool is_refined = level > 0 && step(level - 1).refines();
+  std::optional<RefineOptions> scheme;
+  if (level == levels() && is_refined && !step(level - 1).displaces()) scheme = step(level - 1).refinement();
+  for (int i = level; i < levels(); ++i) {
+    if (!step(i).refines()) continue;
+    if (step(i).displaces() || (scheme && step(i).refinement() != scheme)) return {};
+    scheme = step(i).refinement();
+  }
+  if (!scheme) return {};
+  return Smoothing{*scheme, is_refined, quantum_};
 }
 
 double Model::growth_reach(const FaceOrigin& origin, const Bounds3d& face, double radius, int level) const {

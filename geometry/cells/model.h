@@ -19,6 +19,14 @@ struct CellSettings {
   bool keeps_leaf_meshes = false;    // for placing parts on the final faces
 };
 
+// The scheme whose limit surface a mesh is taken for.
+struct Smoothing {
+  RefineOptions scheme;
+  bool is_refined =
+      false;        // whether that scheme has made the mesh, so that its faces are as the limit's masks want them
+  Quantum quantum;  // of the model
+};
+
 class Model {
  public:
   // Chooses the quantum from the bounds of all that will grow, tells the steps and rounds the base to it. The base must
@@ -48,9 +56,9 @@ class Model {
   bool thins_later(std::int32_t symbol, int level) const;
   // Whether exactly two refinements lie between `level` and the last step before it that does not refine.
   bool is_two_refinements_in(int level) const;
-  // The scheme whose limit surface a mesh before step `level` is taken for, if nothing but plain smoothing lies ahead
-  // or, at the end, lies behind.
-  std::optional<RefineOptions> smoothing(int level) const;
+  // What is shown of a mesh before step `level` on which nothing grows any more: the limit surface, if nothing but
+  // plain smoothing lies ahead or, at the end, lies behind; else the mesh itself.
+  std::optional<Smoothing> smoothing(int level) const;
   // The first step at `level` or later that replaces faces with this symbol; levels(): none does.
   int growing_step(std::int32_t symbol, int level) const;
   bool grows_later(std::int32_t symbol, int level) const { return growing_step(symbol, level) < levels(); }

@@ -38,13 +38,33 @@ void find_vertex_normals(const Mesh& mesh, Vec3d* normals) {
   unit_normals(sums.span(), normals);
 }
 
+// Of a mesh that may have faces of any size: the vertices that come of its own when it is refined once are on the same
+// limit.
+LimitSurface limit_of_cage(const CellMesh& cell, const Smoothing& smoothing) {
+  const auto plan = shared_refine_plan(cell.mesh, cell.owned_faces, 1, smoothing.scheme);
+  const RefinedMesh refined = refine(cell.mesh, *plan, smoothing.quantum, 0);
+  const LimitSurface limit = limit_surface(refined.mesh, plan->owned_faces, smoothing.scheme);
+  LimitSurface surface{std::vector<Vec3d>(cell.mesh.vertex_count()), std::vector<Vec3d>(cell.mesh.vertex_count())};
+  for (const RefinePlan::VertexVertex& v : plan->vertex_vertices) {
+    if (v.out >= plan->kept_vertices) continue;
+    surface.positions[v.vertex] = limit.positions[v.out];
+    surface.normals[v.vertex] = limit.normals[v.out];
+  }
+  return surface;
+}
+
+LimitSurface limit_of(const CellMesh& cell, const Smoothing& smoothing) {
+  return smoothing.is_refined ? limit_surface(cell.mesh, cell.owned_faces, smoothing.scheme)
+                              : limit_of_cage(cell, smoothing);
+}
+
 // The surface that is shown, and where its u, v lie: the mesh's own arrays where it is shown as it is.
 class ShownSurface {
  public:
-  ShownSurface(const CellMesh& cell, const std::optional<RefineOptions>& smoothing)
+  ShownSurface(const CellMesh& cell, const std::optional<Smoothing>& smoothing)
       : normals_(smoothing ? 0 : cell.mesh.vertex_count()) {
     if (smoothing) {
-      limit_ = limit_surface(cell.mesh, cell.owned_faces, *smoothing);
+      limit_ = limit_of(cell, *smoothing);
       positions = limit_.positions;
       normals = limit_.normals;
     } else {
@@ -245,8 +265,8 @@ void shrink_to_fit(Tessellation& t) {
 
 }  // namespace
 
-LimitSurface shown_surface(const CellMesh& cell, const std::optional<RefineOptions>& smoothing) {
-  if (smoothing) return limit_surface(cell.mesh, cell.owned_faces, *smoothing);
+LimitSurface shown_surface(const CellMesh& cell, const std::optional<Smoothing>& smoothing) {
+  if (smoothing) return limit_of(cell, *smoothing);
   LimitSurface surface{cell.mesh.positions, std::vector<Vec3d>(cell.mesh.vertex_count())};
   find_vertex_normals(cell.mesh, surface.normals.data());
   return surface;
@@ -265,7 +285,7 @@ Bounds3f Tessellation::bounds() const {
 }
 
 Tessellation tessellate(const CellMesh& cell, int level, const Squares& squares,
-                        const std::optional<RefineOptions>& smoothing, std::span<const DoneFaces> done) {
+                        const std::optional<Smoothing>& smoothing, std::span<const DoneFaces> done) {
   Tessellation out;
   std::vector<Vec2f> vertex_uv;
   if (squares.refinements > 0 && cell.mesh.frozen.empty()) {

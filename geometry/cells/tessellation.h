@@ -62,8 +62,9 @@ void for_each_triangle(const Tessellation& t, const Visit& visit) {
 }
 
 // Where the vertices of a mesh lie that is shown as it is, and their normals: with `smoothing` on the limit surface of
-// that scheme, without, the mesh's own and the means of its face normals.
-LimitSurface shown_surface(const CellMesh& cell, const std::optional<RefineOptions>& smoothing);
+// that scheme (a mesh that it has not made yet is refined once for that), without, the mesh's own and the means of its
+// face normals.
+LimitSurface shown_surface(const CellMesh& cell, const std::optional<Smoothing>& smoothing);
 
 // How owned faces stand in squares: `corners` holds the corner counts of the faces from which the last `refinements`
 // Catmull-Clark steps made them (each quad a square of 4^refinements faces, each n-gon n squares of
@@ -90,6 +91,6 @@ struct DoneFaces {
 // normals are those of shown_surface(), frozen vertices are shown where they were frozen; squares in which the last
 // refinements made nothing but copies become coarser grids.
 Tessellation tessellate(const CellMesh& cell, int level, const Squares& squares,
-                        const std::optional<RefineOptions>& smoothing, std::span<const DoneFaces> done = {});
+                        const std::optional<Smoothing>& smoothing, std::span<const DoneFaces> done = {});
 
 }  // namespace meristem

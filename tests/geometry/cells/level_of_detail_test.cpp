@@ -113,20 +113,29 @@ TEST(LevelOfDetail, AnObjectSmallerThanAPixelIsItsBaseMesh) {
   EXPECT_EQ(surface.triangles, 12u);
 }
 
-// The limit surface does not depend on the level at which a vertex froze.
+// The limit surface does not depend on the level at which a vertex froze, be it the cage with faces of any size.
 TEST(LevelOfDetail, FrozenVerticesOfASmoothModelLieOnItsLimitSurface) {
   const PointFootprint near({2, 0, 0}, 0.05);
-  const auto model = bumpy_model(shapes::cube(), 8, 0, small_cells);
-  std::map<Point, int> full;
-  for_each_triangle(*model, root_cell(*model), 0, [&](Vec3f a, Vec3f, Vec3f) { ++full[{a.x, a.y, a.z}]; });
-  const auto is_near_limit = [&](Vec3f p) {
-    for (auto it = full.lower_bound({p.x - 2e-6f, -10, -10}); it != full.end() && it->first[0] < p.x + 2e-6f; ++it)
-      if (std::abs(it->first[1] - p.y) < 2e-6f && std::abs(it->first[2] - p.z) < 2e-6f) return true;
-    return false;
-  };
-  std::size_t wrong = 0;
-  for_each_triangle(*model, root_cell(*model, &near), 0, [&](Vec3f a, Vec3f, Vec3f) { wrong += !is_near_limit(a); });
-  EXPECT_EQ(wrong, 0u);
+  const ConstantFootprint huge(1e3);
+  for (const Mesh& cage : {shapes::cube(), shapes::prism(7)}) {
+    const auto model = bumpy_model(cage, 7, 0, small_cells);
+    std::map<Point, int> full;
+    for_each_triangle(*model, root_cell(*model), 0, [&](Vec3f a, Vec3f, Vec3f) { ++full[{a.x, a.y, a.z}]; });
+    const auto is_near_limit = [&](Vec3f p) {
+      for (auto it = full.lower_bound({p.x - 2e-6f, -10, -10}); it != full.end() && it->first[0] < p.x + 2e-6f; ++it)
+        if (std::abs(it->first[1] - p.y) < 2e-6f && std::abs(it->first[2] - p.z) < 2e-6f) return true;
+      return false;
+    };
+    for (const Footprint* footprint : {static_cast<const Footprint*>(&near), static_cast<const Footprint*>(&huge)}) {
+      std::size_t seen = 0, wrong = 0;
+      for_each_triangle(*model, root_cell(*model, footprint), 0, [&](Vec3f a, Vec3f, Vec3f) {
+        ++seen;
+        wrong += !is_near_limit(a);
+      });
+      EXPECT_GT(seen, 0u);
+      EXPECT_EQ(wrong, 0u);
+    }
+  }
 }
 
 }  // namespace
