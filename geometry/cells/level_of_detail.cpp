@@ -152,7 +152,7 @@ void leave_out_small_growth(const Model& model, CellMesh& cell, int level) {
     const FaceOrigin& origin = origin_of(mesh, f);
     if (!model.step(level).grows(origin.symbol) || has_visible_growth(model, cell, f, level)) continue;
     FaceOrigin terminal = origin;
-    terminal.symbol = -1;
+    terminal.symbol = omitted_symbol(origin.symbol);
     mesh.face_origins[f] = std::uint32_t(mesh.origins.size());
     mesh.origins.push_back(terminal);
   }

@@ -18,8 +18,13 @@ namespace meristem {
 // now or would be: then the cell is final as it is (and nothing new has been marked). False without a footprint.
 bool freeze_vertices(const Model& model, CellMesh& cell, int level);
 
-// Takes the symbols of faces on which everything that will ever grow is smaller than the footprint.
+// Takes the symbols of faces on which everything that will ever grow is smaller than the footprint. They carry none
+// then, as far as a sign tells, but remember which it was: for rules that ask what stands beside them.
 void leave_out_small_growth(const Model& model, CellMesh& cell, int level);
+constexpr std::int16_t omitted_symbol(std::int16_t symbol) { return std::int16_t(-2 - symbol); }
+constexpr std::int16_t symbol_before_omission(std::int16_t symbol) {
+  return symbol < -1 ? std::int16_t(-2 - symbol) : symbol;
+}
 
 // About how many final faces come of a face of a cell before step `level`. For cutting cells only.
 double wanted_faces(const Model& model, const CellMesh& cell, std::uint32_t face, int level);

@@ -1,6 +1,8 @@
 #include "procedural/growth/grow_step.h"
 
 #include "geometry/base/check.h"
+#include "geometry/cells/level_of_detail.h"
+#include "geometry/mesh/adjacency.h"
 
 #include <fmt/format.h>
 
@@ -107,6 +109,7 @@ class GrowStep::Application {
     has_sharpness_ = !m.corner_sharpness.empty();
     step.rules_->for_each([&](const Production& p) { has_sharpness_ = has_sharpness_ || p.crease() > 0; });
     kept_origins_.assign(m.origins.size(), unused);
+    if (step.rules_->uses_neighbors()) adjacency_.emplace(m);
   }
 
   void run() {
@@ -163,7 +166,8 @@ class GrowStep::Application {
     if (candidates.empty()) return false;
     gather(f);
     const int parameter_count = step_.symbols_->entry(parent.symbol).parameter_count;
-    const RuleValues values = rule_values(parent, parameter_count, step_.level_, frame_, center_uv());
+    const RuleValues values =
+        rule_values(parent, parameter_count, step_.surroundings(neighbors(f)), frame_, center_uv());
     const Key key = in_.mesh.face_keys[f];
     const Production* p = step_.choose(candidates, values, key);
     if (!p) return false;
@@ -179,6 +183,18 @@ class GrowStep::Application {
     add_vertices(key);
     add_faces(f, *p, parent, values, salt);
     return true;
+  }
+
+  // Behind how many edges of the face there is one that may grow, or would if it were seen.
+  int neighbors(std::uint32_t f) const {
+    if (!adjacency_) return 0;
+    int count = 0;
+    for (std::uint32_t c = in_.mesh.face_starts[f]; c < in_.mesh.face_starts[f + 1]; ++c) {
+      const Adjacency::Edge& edge = adjacency_->edge(adjacency_->edge_of_corner(c));
+      const std::uint32_t other = edge.faces[edge.faces[0] == f ? 1 : 0];
+      count += other != Adjacency::none && step_.grows(symbol_before_omission(origin(other).symbol));
+    }
+    return count;
   }
 
   // The replaced face's own corners, in their order.
@@ -255,6 +271,7 @@ class GrowStep::Application {
   const CellMesh& in_;
   CellMesh& out_;
   bool has_sharpness_ = false;
+  std::optional<Adjacency> adjacency_;       // where a rule counts neighbours
   std::vector<std::uint32_t> kept_origins_;  // by index before: index after
   std::uint32_t first_vertex_ = 0;
   FaceFrame frame_;
@@ -281,7 +298,8 @@ Extent GrowStep::bound(const Extent& e) const {
     const std::span<const Production> productions = rules_->of(range.symbol);
     bool surely_replaced = false;
     if (!productions.empty()) {
-      const RuleIntervals values = rule_intervals(range, symbols_->entry(range.symbol).parameter_count, level_, e);
+      const RuleIntervals values =
+          rule_intervals(range, symbols_->entry(range.symbol).parameter_count, surroundings(), e);
       for (const Production& p : productions) {
         const Production::Applies applies = p.applies(values);
         if (applies != Production::Applies::Never) add_growth(p, range, e, values, after);
@@ -370,7 +388,8 @@ FaceCensus GrowStep::forecast(const FaceCensus& faces, const Extent& extent) con
       result[kind] += count;
       continue;
     }
-    const RuleIntervals values = rule_intervals(*range, symbols_->entry(symbol).parameter_count, level_, extent);
+    const RuleIntervals values =
+        rule_intervals(*range, symbols_->entry(symbol).parameter_count, surroundings(), extent);
     Prospects one = prospects_of(rules_->of(symbol), kind.second, values);
     if (!one.replaced) take_larger({{kind, 1}}, one.largest);
     if (one.replaced && one.certain)
@@ -386,9 +405,12 @@ namespace {
 struct GrowParams {
   int count;
   const Value* rules;
+  Vec3d light;
   explicit GrowParams(Params& params) {
     count = params.integer("grow", 1, {0, max_steps, ""}, "how many times the rules are applied");
     rules = params.raw("rules", true, rules_schema, "for each symbol its rule, or several to choose from");
+    light = params.vector("light", {0, 1, 0}, any_range,
+                          "direction towards the light, in model space; the rules see it as \"light\", of unit length");
   }
 };
 
@@ -398,11 +420,13 @@ std::vector<std::unique_ptr<GrowStep>> make_grow_steps(const Value& step_object,
                                                        Diagnostics& diagnostics) {
   Params params(step_object, "step \"grow\"", diagnostics);
   const GrowParams grow(params);
+  if (!(length(grow.light) > 0)) params.error("light", "a direction of light has a length");
   params.finish();
   std::vector<std::unique_ptr<GrowStep>> steps;
   if (!grow.rules) return steps;
   const int last_step = context.next_step + grow.count - 1;
-  const auto rules = std::make_shared<const GrowthRules>(*grow.rules, last_step, context, diagnostics);
+  const auto rules =
+      std::make_shared<const GrowthRules>(*grow.rules, Vec3f(normalize(grow.light)), last_step, context, diagnostics);
   for (int level = 0; level < grow.count; ++level)
     steps.push_back(std::make_unique<GrowStep>(rules, context.symbols, context.next_step++, level, context.seed));
   return steps;

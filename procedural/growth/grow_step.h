@@ -7,9 +7,10 @@
 //
 // is five such steps. What grows on a face depends on that face alone - its corners in their order, its u, v, its
 // symbol and key - and new positions lie on the model's grid, so every cell that holds the face grows the same bits; a
-// halo of r rings needs no more than r rings before. New keys: hash(face key, step, vertex or face, index in the
-// template). While the mesh has u, v by corners, new faces get their own; after a subdivision new vertices get the mean
-// over their new faces.
+// halo of r rings needs no more than r rings before. Rules that count a face's neighbours need one ring more: the faces
+// of the last ring then grow wrongly, but nothing of them is left, since a child is no nearer than its parent. New
+// keys: hash(face key, step, vertex or face, index in the template). While the mesh has u, v by corners, new faces get
+// their own; after a subdivision new vertices get the mean over their new faces.
 //
 // A template that cannot stand on the face (a fork on a triangle) leaves the face as it is, without its symbol;
 // check_corner_counts() of forecast.h finds these while loading.
@@ -36,7 +37,7 @@ class GrowStep : public Step {
            Key seed);
 
   std::string name() const override;
-  int halo_rings(int rings_after) const override { return rings_after; }
+  int halo_rings(int rings_after) const override { return rings_after + (rules_->uses_neighbors() ? 1 : 0); }
   std::uint32_t max_children(std::uint32_t corners) const override;
   void apply(const CellMesh& in, int rings_after, CellMesh& out) const override;
   Extent bound(const Extent& e) const override;
@@ -57,6 +58,7 @@ class GrowStep : public Step {
   std::uint32_t count_children(std::uint32_t corners) const;
   Key production_salt(const Production& p, std::span<const Production> list) const;
   bool grows_later(std::int32_t symbol) const;
+  RuleSurroundings surroundings(int neighbors = 0) const { return {level_, rules_->light(), neighbors}; }
   // Adds what comes of one production to the extent after the step.
   void add_growth(const Production& p, const SymbolRange& parent, const Extent& before,
                   std::span<const IntervalValue> values, Extent& after) const;

@@ -144,6 +144,10 @@ Successor::Successor(const std::string& text, const Location& quote, const Symbo
     if (!a) symbol_ = -1;
 }
 
+bool Successor::uses(int slot) const {
+  return std::any_of(arguments_.begin(), arguments_.end(), [&](const auto& a) { return a && a->uses(slot); });
+}
+
 void Successor::evaluate(std::span<const Vec3f> values, Key key, Key salt, FaceOrigin& origin) const {
   origin.symbol = std::int16_t(symbol_);
   origin.parameters = {};

@@ -75,6 +75,8 @@ class Successor {
             Diagnostics& diagnostics);
 
   int symbol() const { return symbol_; }
+  // Does a parameter read the variable of that slot?
+  bool uses(int slot) const;
   // Sets the symbol and the parameters of `origin`. A face one of whose parameters is not a number gets no symbol.
   void evaluate(std::span<const Vec3f> values, Key key, Key salt, FaceOrigin& origin) const;
   std::array<Interval, max_growth_parameters> bounds(std::span<const IntervalValue> values) const;

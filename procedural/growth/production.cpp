@@ -76,6 +76,14 @@ Production::Production(const Value& rule, const std::string& head, std::uint16_t
   valid_ = weight_ && condition_ &&
            std::all_of(part_.parameters.begin(), part_.parameters.end(),
                        [](const TemplateParameter& p) { return p.expression != nullptr; });
+  uses_neighbors_ = valid_ && uses(variables.find(neighbors_variable));
+}
+
+bool Production::uses(int slot) const {
+  return weight_->uses(slot) || condition_->uses(slot) ||
+         std::any_of(part_.parameters.begin(), part_.parameters.end(),
+                     [&](const TemplateParameter& p) { return p.expression->uses(slot); }) ||
+         std::any_of(successors_.begin(), successors_.end(), [&](const Successor& s) { return s.uses(slot); });
 }
 
 void Production::read_faces(const Value* faces, const Symbols& variables, GrowContext& context,
@@ -159,11 +167,18 @@ std::vector<Bounds3d> Production::template_bounds(std::span<const IntervalValue>
   return result;
 }
 
-GrowthRules::GrowthRules(const Value& rules, int last_step, GrowContext& context, Diagnostics& diagnostics) {
+GrowthRules::GrowthRules(const Value& rules, Vec3f light, int last_step, GrowContext& context, Diagnostics& diagnostics)
+    : light_(light) {
   if (rules.kind != Value::Kind::Object)
     diagnostics.error(rules.location,
                       fmt::format("expected an object: symbols and their rules; found {}", rules.kind_name()));
   for (const Member& rule : rules.members) read_rule(rule, last_step, context, diagnostics);
+}
+
+bool GrowthRules::uses_neighbors() const {
+  bool uses = false;
+  for_each([&](const Production& p) { uses = uses || p.uses_neighbors(); });
+  return uses;
 }
 
 std::span<const Production> GrowthRules::of(std::int32_t symbol) const {

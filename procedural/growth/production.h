@@ -42,6 +42,7 @@ class Production {
   const Location& location() const { return location_; }
   const BoundTemplate& part() const { return part_; }
   float crease() const { return crease_; }
+  bool uses_neighbors() const { return uses_neighbors_; }
 
   bool condition(std::span<const Vec3f> values, Key key, Key salt) const;
   double weight(std::span<const Vec3f> values, Key key, Key salt) const;  // at least 0
@@ -59,6 +60,7 @@ class Production {
 
  private:
   void read_faces(const Value* faces, const Symbols& variables, GrowContext& context, Diagnostics& diagnostics);
+  bool uses(int slot) const;
 
   Location location_;
   std::shared_ptr<const Expression> weight_, condition_;
@@ -67,13 +69,18 @@ class Production {
   int material_ = -1;                  // -1: that of the replaced face
   std::uint16_t number_ = no_production;
   float crease_ = 0;
-  bool valid_ = false;
+  bool valid_ = false, uses_neighbors_ = false;
 };
 
 class GrowthRules {
  public:
-  // Reads the object of rules; `last_step` is the last of the model's grow steps that uses them.
-  GrowthRules(const Value& rules, int last_step, GrowContext& context, Diagnostics& diagnostics);
+  // Reads the object of rules; `last_step` is the last of the model's grow steps that uses them, `light` a unit vector.
+  GrowthRules(const Value& rules, Vec3f light, int last_step, GrowContext& context, Diagnostics& diagnostics);
+
+  // The direction of light that they see.
+  Vec3f light() const { return light_; }
+  // Whether what comes of a face depends on those beside it.
+  bool uses_neighbors() const;
 
   // The productions of a symbol; empty if it has none.
   std::span<const Production> of(std::int32_t symbol) const;
@@ -86,6 +93,7 @@ class GrowthRules {
  private:
   void read_rule(const Member& rule, int last_step, GrowContext& context, Diagnostics& diagnostics);
 
+  Vec3f light_;
   std::vector<std::vector<Production>> by_symbol_;
 };
 

@@ -1,5 +1,6 @@
 #include "procedural/growth/rule_variables.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace meristem {
@@ -22,6 +23,8 @@ constexpr std::array<FrameVariable, frame_variable_count> frame_variables{{
     {"radius", ValueType::Scalar, "mean distance of the face's corners from its centroid"},
     {"u", ValueType::Scalar, "texture coordinate at the centroid"},
     {"v", ValueType::Scalar, "texture coordinate at the centroid"},
+    {"light", ValueType::Vector, "direction of light that the entry says, unit"},
+    {neighbors_variable, ValueType::Scalar, "edges shared with faces whose symbols have rules"},
 }};
 
 // A float interval that holds a double interval after rounding to float, in whatever direction.
@@ -52,12 +55,12 @@ Symbols rule_variables(const std::vector<std::string>& parameters) {
   return symbols;
 }
 
-RuleValues rule_values(const FaceOrigin& origin, int parameter_count, int level, const FaceFrame& frame,
-                       Vec2d center_uv) {
+RuleValues rule_values(const FaceOrigin& origin, int parameter_count, const RuleSurroundings& around,
+                       const FaceFrame& frame, Vec2d center_uv) {
   RuleValues values;
   std::size_t i = 0;
   for (; i < std::size_t(parameter_count); ++i) values[i] = {origin.parameters[i], 0, 0};
-  values[i++] = {float(level), 0, 0};
+  values[i++] = {float(around.level), 0, 0};
   values[i++] = {float(frame.z.y), 0, 0};
   values[i++] = Vec3f(frame.x);
   values[i++] = Vec3f(frame.y);
@@ -66,14 +69,17 @@ RuleValues rule_values(const FaceOrigin& origin, int parameter_count, int level,
   values[i++] = {float(frame.radius), 0, 0};
   values[i++] = {float(center_uv.x), 0, 0};
   values[i++] = {float(center_uv.y), 0, 0};
+  values[i++] = around.light;
+  values[i++] = {float(std::min(around.neighbors, most_neighbors)), 0, 0};
   return values;
 }
 
-RuleIntervals rule_intervals(const SymbolRange& range, int parameter_count, int level, const Extent& extent) {
+RuleIntervals rule_intervals(const SymbolRange& range, int parameter_count, const RuleSurroundings& around,
+                             const Extent& extent) {
   RuleIntervals values;
   std::size_t i = 0;
   for (; i < std::size_t(parameter_count); ++i) values[i] = scalar(range.parameters[i]);
-  values[i++] = IntervalValue::scalar(float(level), float(level));
+  values[i++] = IntervalValue::scalar(float(around.level), float(around.level));
   values[i++] = IntervalValue::scalar(-1.000001f, 1.000001f);
   for (int axis = 0; axis < 3; ++axis) values[i++] = nearly_unit_vector();
   // The centroid of a face in the box may round out of it by an ulp or two
@@ -89,6 +95,9 @@ RuleIntervals rule_intervals(const SymbolRange& range, int parameter_count, int 
     const double margin = 1e-9 * std::max(std::abs(c.lower), std::abs(c.upper));
     values[i++] = scalar(widened(double(c.lower) - margin, double(c.upper) + margin));
   }
+  const Vec3f l = around.light;
+  values[i++] = {{l.x, l.x}, {l.y, l.y}, {l.z, l.z}, 1.000001f};
+  values[i++] = IntervalValue::scalar(0, float(most_neighbors));
   return values;
 }
 

@@ -6,6 +6,8 @@
 //   P                          its centroid, in model space
 //   radius                     the mean distance of its corners from the centroid
 //   u, v                       texture coordinates at the centroid
+//   light                      the direction of light that the entry says, unit, in model space
+//   neighbors                  how many of the face's edges it shares with a face whose symbol has rules in the entry
 //
 // rand() is a hash of the face's key, the step, the production and the parameter that asks.
 #pragma once
@@ -20,7 +22,10 @@
 
 namespace meristem {
 
-constexpr int frame_variable_count = 9;
+// The one whose value needs the faces around.
+constexpr const char* neighbors_variable = "neighbors";
+
+constexpr int frame_variable_count = 11;
 constexpr int max_rule_variables = max_growth_parameters + frame_variable_count;
 
 // Is `name` one of the variables above (so that no parameter may have it)?
@@ -34,8 +39,18 @@ Symbols rule_variables(const std::vector<std::string>& parameters);
 using RuleValues = std::array<Vec3f, max_rule_variables>;
 using RuleIntervals = std::array<IntervalValue, max_rule_variables>;
 
-RuleValues rule_values(const FaceOrigin& origin, int parameter_count, int level, const FaceFrame& frame,
-                       Vec2d center_uv);
-RuleIntervals rule_intervals(const SymbolRange& range, int parameter_count, int level, const Extent& extent);
+// What the variables tell beyond the face itself.
+struct RuleSurroundings {
+  int level = 0;
+  Vec3f light{0, 1, 0};
+  int neighbors = 0;
+};
+constexpr int most_neighbors = 255;  // more are not counted
+
+RuleValues rule_values(const FaceOrigin& origin, int parameter_count, const RuleSurroundings& around,
+                       const FaceFrame& frame, Vec2d center_uv);
+// For any number of neighbours.
+RuleIntervals rule_intervals(const SymbolRange& range, int parameter_count, const RuleSurroundings& around,
+                             const Extent& extent);
 
 }  // namespace meristem

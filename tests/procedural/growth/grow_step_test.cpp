@@ -182,17 +182,13 @@ std::map<Key, FaceRecord> records(const Mesh& mesh, std::uint32_t count) {
   return result;
 }
 
-// The face with the faces that touch it: a cell with a halo of one ring.
-CellMesh single_face_cell(const Mesh& mesh, std::uint32_t face) {
-  const auto own = mesh.corners(face);
+// The face as a cell of its own with a halo of so many rings.
+CellMesh single_face_cell(const Mesh& mesh, std::uint32_t face, int rings) {
   std::vector<std::uint32_t> faces{face};
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
-    const auto corners = mesh.corners(f);
-    if (f != face && std::find_first_of(corners.begin(), corners.end(), own.begin(), own.end()) != corners.end())
-      faces.push_back(f);
-  }
-  CellMesh cell{extract_faces(mesh, faces), 1, std::vector<std::uint8_t>(faces.size(), 1)};
-  cell.rings[0] = 0;
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
+    if (f != face) faces.push_back(f);
+  CellMesh cell{extract_faces(mesh, faces), 1, {}};
+  trim_halo(cell, rings);
   return cell;
 }
 
@@ -203,7 +199,7 @@ void expect_same_in_cells(const GrowStep& step, const Mesh& mesh) {
   std::size_t owned = 0;
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     CellMesh out;
-    step.apply(single_face_cell(mesh, f), 1, out);
+    step.apply(single_face_cell(mesh, f, step.halo_rings(1)), 1, out);
     owned += out.owned_faces;
     for (const auto& [key, face] : records(out.mesh, out.mesh.face_count())) ASSERT_EQ(face, truth.at(key));
   }
@@ -218,6 +214,37 @@ TEST(GrowStep, AFaceGrowsTheSameBitsAloneAndInTheWhole) {
     const Mesh mesh = d.grown(1).mesh;
     if (mesh.face_count() < 200) expect_same_in_cells(*d.steps[1], mesh);
   }
+}
+
+TEST(GrowStep, CountsTheFacesBesideThatMayGrow) {
+  const Derivation d(R"json({ "type": "plane", "columns": 3, "rows": 3, "face": "x" })json",
+                     {R"json({ "grow": 1, "rules": { "x": { "template": "extrude", "faces": {
+    "cap": "y(neighbors)", "wall": "z" } } } })json",
+                      R"json({ "grow": 1, "rules": { "y(n)": { "template": "box", "height": "1+neighbors",
+    "faces": { "top": "done(neighbors)" } } } })json"});
+  EXPECT_EQ(d.messages(), std::vector<std::string>{});
+  EXPECT_EQ(d.steps[0]->halo_rings(1), 2);
+  const Mesh first = d.grown(1).mesh, second = d.grown(2).mesh;
+  std::map<float, int> counts;
+  for (std::uint32_t f : faces_with(first, d.symbols->find("y")))
+    ++counts[first.origins[first.face_origins[f]].parameters[0]];
+  EXPECT_EQ(counts, (std::map<float, int>{{2, 4}, {3, 4}, {4, 1}}));
+  for (std::uint32_t f : faces_with(second, d.symbols->find("done")))
+    EXPECT_EQ(second.origins[second.face_origins[f]].parameters[0], 0);  // walls have no rules
+}
+
+TEST(GrowStep, WithoutNeighborsNoHaloIsSpent) { EXPECT_EQ(Derivation(octagon, {stem}).steps[0]->halo_rings(1), 1); }
+
+TEST(GrowStep, RulesSeeTheDirectionOfLight) {
+  const Derivation d(R"json({ "type": "box", "face": "x", "top": "x" })json",
+                     {R"json({ "grow": 1, "light": [3, 4, 0], "rules": { "x": { "template": "box", "faces": {
+    "top": "y(dot(light, frame_z), length(light))" } } } })json"});
+  const Mesh mesh = d.grown();
+  const auto tops = faces_with(mesh, d.symbols->find("y"));
+  ASSERT_EQ(tops.size(), 1u);
+  const auto& p = mesh.origins[mesh.face_origins[tops[0]]].parameters;
+  EXPECT_NEAR(p[0], 0.8f, 1e-6f);
+  EXPECT_NEAR(p[1], 1, 1e-6f);
 }
 
 // After a subdivision u, v are by vertex.

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 
@@ -98,6 +99,49 @@ TEST(GrownCells, LieInTightBoxesAndFitTogether) {
       EXPECT_EQ(cells.outside, 0);
       EXPECT_TRUE(cells.is_closed());
       EXPECT_LT(cells.box_area, 8 * cells.real_area) << settings.leaf_faces;
+    }
+  }
+}
+
+// A floor of tiles some of which are missing; each that stands is as high as it has others beside it, and so on twice.
+std::shared_ptr<const Model> sociable_tiles(const CellSettings& settings) {
+  Derivation d(R"json({"type": "plane", "width": 4, "depth": 4, "columns": 6, "rows": 6, "face": "site"})json",
+               {R"json({"grow": 1, "rules": {"site": {"if": "rand() < .6", "template": "extrude", "inset": 0.02,
+                    "height": 0.02, "faces": {"cap": "tile(1)", "wall": "tile(2)"}}}})json",
+                R"json({"grow": 2, "rules": {"tile(n)": {"if": "rand() < .7", "template": "box",
+                    "height": "radius*(.1 + .1*min(neighbors, 4))", "taper": 0.8,
+                    "faces": {"top": "tile(neighbors)", "front": "tile(neighbors)", "left": "tile(neighbors)"}}}})json"});
+  EXPECT_TRUE(d.messages().empty());
+  std::vector<std::unique_ptr<Step>> steps;
+  for (auto& step : d.steps) steps.push_back(std::move(step));
+  for (int level = 1; level <= 2; ++level) {
+    SubdivideStep::Settings s;
+    s.level = level;
+    s.step_key = hash_keys(3, Key(level));
+    steps.push_back(std::make_unique<SubdivideStep>(s));
+  }
+  return std::make_shared<const Model>("tiles", d.base, std::move(steps), settings);
+}
+
+std::vector<Point> points_of(const Cells& cells) {
+  std::vector<Point> points;
+  for (const auto& [edge, balance] : cells.balance) points.insert(points.end(), {edge.first, edge.second});
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+TEST(GrownCells, CountNeighborsAlikeHoweverTheyAreCut) {
+  const PointFootprint near({0.3, 0.5, 0}, 0.02), far({3, 1.5, 0}, 0.02);
+  for (const Footprint* footprint : {static_cast<const Footprint*>(nullptr), static_cast<const Footprint*>(&near),
+                                     static_cast<const Footprint*>(&far)}) {
+    const Cells whole(*sociable_tiles({1u << 20, 1u << 20}), footprint);
+    EXPECT_EQ(whole.leaves, 1);
+    for (const CellSettings& settings : {CellSettings{16, 64}, small_cells, large_cells}) {
+      const Cells cells(*sociable_tiles(settings), footprint);
+      EXPECT_GT(cells.leaves, 10);
+      EXPECT_EQ(cells.outside, 0);
+      EXPECT_EQ(points_of(cells), points_of(whole));
     }
   }
 }

@@ -32,8 +32,9 @@ class RandomRules {
   }
 
   std::string steps(int count) {
-    return fmt::format(R"json({{ "grow": {}, "rules": {{ "a(p)": {}, "b(p, q)": {}, "c": {} }} }})json", count,
-                       rules({"p"}), rules({"p", "q"}), rules({}));
+    return fmt::format(
+        R"json({{ "grow": {}, "light": [{}, {}, -{}], "rules": {{ "a(p)": {}, "b(p, q)": {}, "c": {} }} }})json", count,
+        number(), number(), number(), rules({"p"}), rules({"p", "q"}), rules({}));
   }
 
  private:
@@ -44,12 +45,14 @@ class RandomRules {
 
   // An expression with values of moderate size.
   std::string scalar(const Names& parameters) {
-    switch (pick(6)) {
+    switch (pick(8)) {
       case 0: return number() + "+0.5*rand()";
       case 1: return parameters.empty() ? "radius" : parameters[pick(unsigned(parameters.size()))];
       case 2: return parameters.empty() ? "0.3+0.2*up" : number() + "*" + parameters[0];
       case 3: return "0.2+abs(u)*0.1+level*0.1";
       case 4: return "0.5+0.3*dot(frame_x, [0,1,0])";
+      case 5: return "0.5+0.3*dot(frame_z, light)";
+      case 6: return "0.2+0.15*min(neighbors, 4)";
       default: return number();
     }
   }

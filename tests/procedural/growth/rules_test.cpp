@@ -65,6 +65,13 @@ TEST(Rules, HeadsAndSuccessorsThatAreNoSymbols) {
             (Messages{"1:79 expected the end of the text behind a symbol's parameters"}));
 }
 
+TEST(Rules, LightHasADirection) {
+  EXPECT_EQ(messages_of(R"json({ "grow": 1, "light": [0, 0, 0], "rules": {} })json"),
+            (Messages{"1:23 a direction of light has a length"}));
+  EXPECT_EQ(messages_of(R"json({ "grow": 1, "rules": { "a(light)": { "template": "segment" } } })json"),
+            (Messages{"1:28 every rule has a variable of that name already: \"light\""}));
+}
+
 TEST(Rules, ErrorsInExpressionsPointInside) {
   const Messages list = messages_of(
       R"json({ "grow": 1, "rules": { "a(len)": { "template": "segment", "faces": { "cap": "a(0.5*lem)" } } } })json");
@@ -129,7 +136,7 @@ TEST(Rules, VariablesDescribeTheReplacedFace) {
 }
 
 TEST(Rules, ManualPagesCoverStepRuleAndTemplates) {
-  EXPECT_EQ(grow_step_info().describe().size(), 2u);
+  EXPECT_EQ(grow_step_info().describe().size(), 3u);
   EXPECT_EQ(Production::info().describe().size(), 6u);
   for (const ComponentInfo& info : templates().infos()) EXPECT_GE(info.describe().size(), 2u) << info.name;
   for (const ComponentInfo& info : bases().infos()) EXPECT_GE(info.describe().size(), 2u) << info.name;
