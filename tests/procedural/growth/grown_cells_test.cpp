@@ -109,8 +109,8 @@ std::shared_ptr<const Model> sociable_tiles(const CellSettings& settings) {
                {R"json({"grow": 1, "rules": {"site": {"if": "rand() < .6", "template": "extrude", "inset": 0.02,
                     "height": 0.02, "faces": {"cap": "tile(1)", "wall": "tile(2)"}}}})json",
                 R"json({"grow": 2, "rules": {"tile(n)": {"if": "rand() < .7", "template": "box",
-                    "height": "radius*(.1 + .1*min(neighbors, 4))", "taper": 0.8,
-                    "faces": {"top": "tile(neighbors)", "front": "tile(neighbors)", "left": "tile(neighbors)"}}}})json"});
+                    "height": "radius*(.1 + .1*min(neighbors, 4))", "taper": 0.8, "faces": {"top": "tile(neighbors)",
+                    "front": "tile(neighbors)", "left": "tile(neighbors)"}}}})json"});
   EXPECT_TRUE(d.messages().empty());
   std::vector<std::unique_ptr<Step>> steps;
   for (auto& step : d.steps) steps.push_back(std::move(step));

@@ -46,7 +46,7 @@ TEST_P(ShippedScenes, LazyAndEagerAreTheSameBits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Figures, ShippedScenes,
-                         testing::Values("branch", "bush", "cactus", "candle-holder", "chair", "mesh-growing",
+                         testing::Values("branch", "bush", "cactus", "candle-holder", "chair", "ivy", "mesh-growing",
                                          "subdivision", "tree-branch"),
                          [](const auto& scene) {
                            std::string name = scene.param;
