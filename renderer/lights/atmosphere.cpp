@@ -38,14 +38,6 @@ double mie_phase(double c) {
   return 3 / (8 * pi) * (1 - g * g) * (1 + c * c) / ((2 + g * g) * base * std::sqrt(base));
 }
 
-// A piece of a ray, so short that the medium is the same all along it.
-struct Piece {
-  Vec3d transmitted;  // what passes through it
-  Vec3d seen_length;  // the integral of what passes from its points to its near end
-  Piece(Vec3d extinction, double length)
-      : transmitted(exp_of(-extinction * length)), seen_length((Vec3d(1.0) - transmitted) / extinction) {}
-};
-
 }  // namespace
 
 Atmosphere::Atmosphere(double turbidity, Vec3d ground_albedo) : ground_albedo_(ground_albedo) {
@@ -112,14 +104,52 @@ Vec3d Atmosphere::sunlight(double radius, double cosine) const {
   return exp_of(-optical_depth(radius, std::max(cosine, horizon))) * (seen * seen * (3 - 2 * seen));
 }
 
+// Pieces grow with the square of their number: the air is densest, and seen best, near the ground.
+std::vector<Atmosphere::Piece> Atmosphere::pieces(double radius, double cosine, double end, int count,
+                                                  Vec3d& through) const {
+  std::vector<Piece> result;
+  through = Vec3d(1.0);
+  for (int k = 0; k < count; ++k) {
+    const double t0 = end * k * k / (count * count), t1 = end * (k + 1) * (k + 1) / (count * count);
+    const double t = (t0 + t1) / 2, r = radius_along(radius, cosine, t);
+    const Medium m = medium(r);
+    const Vec3d transmitted = exp_of(-m.extinction * (t1 - t0));
+    result.push_back({t, r, m.rayleigh, m.mie, (Vec3d(1.0) - transmitted) / m.extinction, through});
+    through *= transmitted;
+  }
+  return result;
+}
+
+// Rays from one height at one angle against the vertical.
+struct Atmosphere::Ring {
+  double cosine, end;  // where they leave the air or meet the ground
+  bool meets_ground;
+  std::vector<Piece> pieces;
+  Vec3d through;  // all of it
+};
+
+Atmosphere::Ring Atmosphere::ring(double radius, double cosine) const {
+  constexpr int steps = 16;
+  const bool down = meets_ground(radius, cosine);
+  const double end = down ? distance_to_ground(radius, cosine) : distance_to_outer(radius, cosine, top);
+  Ring ring{cosine, end, down, {}, {}};
+  ring.pieces = pieces(radius, cosine, end, steps, ring.through);
+  return ring;
+}
+
 void Atmosphere::fill_multiple_scattering() {
-  constexpr int width = 24, height = 12;
+  constexpr int width = 24, height = 12, rings = 8;
   multiple_scattering_ = {width, height, std::vector<Vec3d>(width * height)};
+  std::vector<double> radii;
+  std::vector<std::vector<Ring>> around(height);  // each height
+  for (int y = 0; y < height; ++y) {
+    const double h = (top - ground) * std::pow(double(y) / (height - 1), 2.0);
+    radii.push_back(ground + std::clamp(h, 1e-3, top - ground - 1e-3));
+    for (int i = 0; i < rings; ++i) around[std::size_t(y)].push_back(ring(radii.back(), 1 - 2 * (i + 0.5) / rings));
+  }
   parallel_for(width * height, [&](std::size_t i) {
-    const double h = (top - ground) * std::pow(double(i / width) / (height - 1), 2.0);
     const double sun_cosine = -1 + 2.0 * double(i % width) / (width - 1);
-    const double radius = ground + std::clamp(h, 1e-3, top - ground - 1e-3);
-    multiple_scattering_.values[i] = gathered(radius, sun_cosine);
+    multiple_scattering_.values[i] = gathered(around[i / width], radii[i / width], sun_cosine);
   });
 }
 
@@ -130,52 +160,43 @@ Vec3d Atmosphere::multiple_scattering(double radius, double sun_cosine) const {
 // What a point gathers from all sides that was scattered twice or more, as if phases were isotropic (Hillaire's
 // equations 5 to 10): second-order light, and the part f of unit light around the point that comes back, summed as
 // the geometric series 1 / (1 - f).
-Vec3d Atmosphere::gathered(double radius, double sun_cosine) const {
-  constexpr int rings = 8, turns = 6, steps = 16;
+Vec3d Atmosphere::gathered(const std::vector<Ring>& rings, double radius, double sun_cosine) const {
+  constexpr int turns = 6;
   const double sun_sine = std::sqrt(std::max(0.0, 1 - sun_cosine * sun_cosine));
   Vec3d second, returned;
-  for (int i = 0; i < rings * turns; ++i) {
-    const double c = 1 - 2 * (i / turns + 0.5) / rings, angle = pi * (i % turns + 0.5) / turns;
-    const double s = std::sqrt(1 - c * c);
-    const bool down = meets_ground(radius, c);
-    const double end = down ? distance_to_ground(radius, c) : distance_to_outer(radius, c, top);
-    const double cos_between = c * sun_cosine + s * sun_sine * std::cos(angle);  // the ray and the sun
-    Vec3d through(1.0);
-    for (int k = 0; k < steps; ++k) {
-      const double t0 = end * k * k / (steps * steps), t1 = end * (k + 1) * (k + 1) / (steps * steps);
-      const double t = (t0 + t1) / 2, r = radius_along(radius, c, t);
-      const Medium m = medium(r);
-      const Piece piece(m.extinction, t1 - t0);
-      const Vec3d scattered = through * (m.rayleigh + m.mie) * piece.seen_length;
-      second += scattered * sunlight(r, (radius * sun_cosine + t * cos_between) / r) / (4 * pi);
-      returned += scattered;
-      through *= piece.transmitted;
+  for (const Ring& ring : rings)
+    for (int turn = 0; turn < turns; ++turn) {
+      const double angle = pi * (turn + 0.5) / turns, sine = std::sqrt(1 - ring.cosine * ring.cosine);
+      const double cos_between = ring.cosine * sun_cosine + sine * sun_sine * std::cos(angle);  // the ray and the sun
+      for (const Piece& p : ring.pieces) {
+        const Vec3d scattered = p.through * (p.rayleigh + p.mie) * p.seen_length;
+        second +=
+            scattered * sunlight(p.radius, (radius * sun_cosine + p.distance * cos_between) / p.radius) / (4 * pi);
+        returned += scattered;
+      }
+      if (ring.meets_ground) {
+        const double cos_at_ground = (radius * sun_cosine + ring.end * cos_between) / ground;
+        second += ring.through * ground_albedo_ * sunlight(ground, cos_at_ground) * (std::max(0.0, cos_at_ground) / pi);
+      }
     }
-    if (down) {
-      const double cos_at_ground = (radius * sun_cosine + end * cos_between) / ground;
-      second += through * ground_albedo_ * sunlight(ground, cos_at_ground) * (std::max(0.0, cos_at_ground) / pi);
-    }
-  }
-  const double count = rings * turns;
+  const double count = double(rings.size()) * turns;
   return second / count / (Vec3d(1.0) - returned / count);
 }
 
-Vec3d Atmosphere::sky_radiance(Vec3d direction, Vec3d to_sun) const {
+std::vector<Atmosphere::Piece> Atmosphere::line_of_sight(double sine) const {
   constexpr int steps = 32;
-  const double c = std::max(direction.y, 0.0), between = dot(direction, to_sun);
-  const double end = distance_to_outer(ground, c, top);
+  Vec3d through;
+  return pieces(ground, sine, distance_to_outer(ground, sine, top), steps, through);
+}
+
+Vec3d Atmosphere::sky_radiance(const std::vector<Piece>& line_of_sight, double between, Vec3d to_sun) const {
   const double p_rayleigh = rayleigh_phase(between), p_mie = mie_phase(between);
-  Vec3d sum, through(1.0);
-  for (int k = 0; k < steps; ++k) {
-    const double t0 = end * k * k / (steps * steps), t1 = end * (k + 1) * (k + 1) / (steps * steps);
-    const double t = (t0 + t1) / 2, r = radius_along(ground, c, t);
-    const double sun_cosine = (ground * to_sun.y + t * between) / r;
-    const Medium m = medium(r);
-    const Vec3d source = sunlight(r, sun_cosine) * (m.rayleigh * p_rayleigh + m.mie * p_mie) +
-                         multiple_scattering(r, sun_cosine) * (m.rayleigh + m.mie);
-    const Piece piece(m.extinction, t1 - t0);
-    sum += through * source * piece.seen_length;
-    through *= piece.transmitted;
+  Vec3d sum;
+  for (const Piece& p : line_of_sight) {
+    const double sun_cosine = (ground * to_sun.y + p.distance * between) / p.radius;
+    const Vec3d source = sunlight(p.radius, sun_cosine) * (p.rayleigh * p_rayleigh + p.mie * p_mie) +
+                         multiple_scattering(p.radius, sun_cosine) * (p.rayleigh + p.mie);
+    sum += p.through * source * p.seen_length;
   }
   return sum;
 }

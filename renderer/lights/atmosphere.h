@@ -8,7 +8,7 @@
 // (Angstrom's law).
 //
 // The observer stands on the ground; directions have y up; lengths inside are kilometres. The sun's irradiance above
-// the atmosphere is 1 in each channel. The constructor takes some 30 ms, shared among all threads, for its tables; then
+// the atmosphere is 1 in each channel. The constructor takes some 20 ms, shared among all threads, for its tables; then
 // immutable: any thread.
 #pragma once
 
@@ -25,27 +25,42 @@ class Atmosphere {
 
   // The part of a ray's light from beyond the atmosphere that reaches the ground; zero from below the horizon.
   Vec3d transmittance(Vec3d direction) const;
-  // Radiance of the air in a direction above the horizon, the sun itself left out.
-  Vec3d sky_radiance(Vec3d direction, Vec3d to_sun) const;
+
+  // A piece of a ray through the air, so short that the air is the same all along it. Wherever the ray turns around the
+  // vertical, and wherever the sun stands, it is the same.
+  struct Piece {
+    double distance, radius;  // of its middle: from the ray's origin, from the Earth's centre
+    Vec3d rayleigh, mie;      // scattering per kilometre
+    Vec3d seen_length;        // the integral of what passes from its points to its near end
+    Vec3d through;            // what passes from there to the ray's origin
+  };
+  // What a direction whose sine of the elevation is `sine`, at least 0, looks through.
+  std::vector<Piece> line_of_sight(double sine) const;
+  // Radiance of the air along a line of sight, the sun itself left out; `between`: the cosine between it and the sun.
+  Vec3d sky_radiance(const std::vector<Piece>& line_of_sight, double between, Vec3d to_sun) const;
 
  private:
-  struct Medium {  // at one height, per kilometre
-    Vec3d rayleigh, mie, extinction;
-  };
   struct Table {
     int width = 0, height = 0;
     std::vector<Vec3d> values;
     Vec3d at(double x, double y) const;  // bilinear; x, y in [0, 1]
   };
 
+  struct Medium {  // at one height, per kilometre
+    Vec3d rayleigh, mie, extinction;
+  };
   Medium medium(double radius) const;
+  // Of a ray from one radius at a cosine against the vertical; `through`: what passes all of them.
+  std::vector<Piece> pieces(double radius, double cosine, double end, int count, Vec3d& through) const;
   Vec3d optical_depth(double radius, double cosine) const;
   // The part of the sun's light that reaches a point; its disk sets over its own width.
   Vec3d sunlight(double radius, double cosine) const;
   Vec3d multiple_scattering(double radius, double sun_cosine) const;
   void fill_transmittance();
   void fill_multiple_scattering();
-  Vec3d gathered(double radius, double sun_cosine) const;
+  struct Ring;
+  Ring ring(double radius, double cosine) const;
+  Vec3d gathered(const std::vector<Ring>& rings, double radius, double sun_cosine) const;
 
   Vec3d mie_scattering_;
   Vec3d ground_albedo_;

@@ -96,9 +96,11 @@ class Sky : public Light {
   void tabulate_sky(const Atmosphere& atmosphere) {
     table_.resize(std::size_t(columns) * (rows + 1));
     parallel_for(rows + 1, [&](std::size_t y) {
+      const auto line_of_sight = atmosphere.line_of_sight(from_table(0, double(y) / rows).y);
       for (std::size_t x = 0; x < columns / 2; ++x) {
         const Vec3d d = from_table((double(x) + 0.5) / columns, double(y) / rows);
-        const Spectrum value(atmosphere.sky_radiance(d, to_sun_) * (solar_irradiance * intensity_));
+        const Spectrum value(atmosphere.sky_radiance(line_of_sight, dot(d, to_sun_), to_sun_) *
+                             (solar_irradiance * intensity_));
         table_[y * columns + x] = table_[y * columns + columns - 1 - x] = value;
       }
     });
