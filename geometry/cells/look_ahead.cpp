@@ -57,28 +57,102 @@ double longest_edge(const Mesh& mesh, std::uint32_t f) {
   return longest;
 }
 
-std::vector<Surroundings> own_surroundings(const Mesh& mesh) {
-  const std::vector<Vec2d> uv = vertex_uv(mesh);
-  const std::vector<double> contraction = vertex_contractions(mesh);
-  std::vector<Surroundings> result(mesh.face_count());
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
-    Surroundings& s = result[f];
-    s.edge = longest_edge(mesh, f);
-    for (std::uint32_t v : mesh.corners(f))
-      s.join({Bounds3d{mesh.positions[v], mesh.positions[v]}, 0, contraction[v], uv[v], uv[v]});
+// What analysis needs of groups of faces: of all within one ring of a group, and within two. A ring is the faces that
+// share a vertex with what it lies around. Only faces at vertices where groups meet bring in anything that is not the
+// group's own, and they are few.
+class GroupRings {
+ public:
+  GroupRings(const Mesh& mesh, std::span<const std::uint32_t> group_of, std::size_t group_count)
+      : mesh_(mesh),
+        uv_(vertex_uv(mesh)),
+        contraction_(vertex_contractions(mesh)),
+        place_(mesh.vertex_count(), far_from_border) {
+    find_border(group_of);
+    const auto around = around_vertices();
+    const auto around_rings = around_border(around);
+    ring1.resize(group_count);
+    ring2.resize(group_count);
+    for (std::uint32_t f = 0; f < group_of.size(); ++f) {
+      Surroundings &one = ring1[group_of[f]], &two = ring2[group_of[f]];
+      const Surroundings face = own(f);
+      one.join(face);
+      two.join(face);
+      for (std::uint32_t v : mesh_.corners(f))
+        if (is_border_[v]) {
+          one.join(around[place_[v]]);
+          two.join(around_rings[place_[v]]);
+        }
+    }
   }
-  return result;
-}
 
-// Every face's surroundings joined with those of all faces that share a vertex with it: one ring more.
-std::vector<Surroundings> widened(const Mesh& mesh, const std::vector<Surroundings>& faces) {
-  std::vector<Surroundings> vertices(mesh.vertex_count()), result(mesh.face_count());
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
-    for (std::uint32_t v : mesh.corners(f)) vertices[v].join(faces[f]);
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
-    for (std::uint32_t v : mesh.corners(f)) result[f].join(vertices[v]);
-  return result;
-}
+  std::vector<Surroundings> ring1, ring2;  // by group
+
+ private:
+  static constexpr std::uint32_t far_from_border = ~0u;
+
+  Surroundings own(std::uint32_t f) const {
+    Surroundings s;
+    s.edge = longest_edge(mesh_, f);
+    for (std::uint32_t v : mesh_.corners(f))
+      s.join({Bounds3d{mesh_.positions[v], mesh_.positions[v]}, 0, contraction_[v], uv_[v], uv_[v]});
+    return s;
+  }
+
+  // Vertices that faces of several groups, or a group's and the halo's, share; and places for all vertices of their
+  // faces.
+  void find_border(std::span<const std::uint32_t> group_of) {
+    constexpr std::uint32_t none = ~0u, halo = ~1u;
+    std::vector<std::uint32_t> group(mesh_.vertex_count(), none);
+    is_border_.resize(mesh_.vertex_count());
+    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+      const std::uint32_t g = f < group_of.size() ? group_of[f] : halo;
+      for (std::uint32_t v : mesh_.corners(f)) {
+        if (group[v] != none && group[v] != g) is_border_[v] = true;
+        group[v] = g;
+      }
+    }
+    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+      const auto corners = mesh_.corners(f);
+      if (std::ranges::none_of(corners, [&](std::uint32_t v) { return is_border_[v]; })) continue;
+      border_faces_.push_back(f);
+      for (std::uint32_t v : corners)
+        if (place_[v] == far_from_border) place_[v] = places_++;
+    }
+  }
+
+  // All faces around a vertex; of vertices with places.
+  std::vector<Surroundings> around_vertices() const {
+    std::vector<Surroundings> around(places_);
+    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+      std::optional<Surroundings> face;
+      for (std::uint32_t v : mesh_.corners(f)) {
+        if (place_[v] == far_from_border) continue;
+        if (!face) face = own(f);
+        around[place_[v]].join(*face);
+      }
+    }
+    return around;
+  }
+
+  // All faces around a vertex and the ring around them; of the vertices at the border.
+  std::vector<Surroundings> around_border(const std::vector<Surroundings>& around) const {
+    std::vector<Surroundings> result(places_);
+    for (std::uint32_t f : border_faces_) {
+      Surroundings ring;
+      for (std::uint32_t v : mesh_.corners(f)) ring.join(around[place_[v]]);
+      for (std::uint32_t v : mesh_.corners(f)) result[place_[v]].join(ring);
+    }
+    return result;
+  }
+
+  const Mesh& mesh_;
+  const std::vector<Vec2d> uv_;
+  const std::vector<double> contraction_;
+  std::vector<bool> is_border_;
+  std::vector<std::uint32_t> border_faces_;  // with a vertex at the border
+  std::vector<std::uint32_t> place_;         // of their vertices: in lists of what lies around
+  std::uint32_t places_ = 0;
+};
 
 Extent extent_of(const Surroundings& ring1, const Surroundings& ring2) {
   Extent e;
@@ -137,17 +211,11 @@ class Lookahead {
   }
 
   void add_bounds(std::vector<Outlook>& groups) const {
-    const std::vector<Surroundings> ring1 = widened(ahead_.mesh, own_surroundings(ahead_.mesh)),
-                                    ring2 = widened(ahead_.mesh, ring1);
-    std::vector<Surroundings> group_ring1(groups.size()), group_ring2(groups.size());
-    for (std::uint32_t f = 0; f < ahead_.owned_faces; ++f) {
-      group_ring1[ahead_.labels[f]].join(ring1[f]);
-      group_ring2[ahead_.labels[f]].join(ring2[f]);
-    }
+    const GroupRings rings(ahead_.mesh, std::span(ahead_.labels).first(ahead_.owned_faces), groups.size());
     // Of a mesh that is final nothing moves any more, but towards the limit surface
     const int level = is_final_ ? model_.levels() : level_;
     for (std::size_t g = 0; g < groups.size(); ++g)
-      groups[g].bounds.extend(final_bounds(model_, extent_of(group_ring1[g], group_ring2[g]), level));
+      groups[g].bounds.extend(final_bounds(model_, extent_of(rings.ring1[g], rings.ring2[g]), level));
     add_frozen(groups);
   }
 
