@@ -19,18 +19,18 @@ SearchDriver::SearchDriver(RaySearch& search, bool any, RayContext& context, RTC
   ray.ray.tfar = search.kept_->t;
 }
 
-RaySearch::End SearchDriver::go_on(const Instances& objects) {
+RaySearch::End SearchDriver::go_on(const RayRoute& route) {
   if (search_.waits_) {
     state_.expands = true;
   } else if (state_.any) {
-    objects.occluded(context_, ray_.ray);
+    route.occluded(context_, ray_.ray);
   } else {
-    objects.intersect(context_, ray_);
+    route.intersect(context_, ray_);
   }
   while (!has_ended() && !overflows()) {
     const std::size_t cell = search_.missing_.first(ray_.ray.tfar);
     if (cell == MissingCells::none) return context_.has_hit ? RaySearch::End::Met : RaySearch::End::Missed;
-    if (!visit(objects, cell)) {
+    if (!visit(route, cell)) {
       search_.name_ = search_.missing_.name(cell);
       return RaySearch::End::Waits;
     }
@@ -40,10 +40,10 @@ RaySearch::End SearchDriver::go_on(const Instances& objects) {
   return RaySearch::End::Met;
 }
 
-bool SearchDriver::visit(const Instances& objects, std::size_t cell) {
+bool SearchDriver::visit(const RayRoute& route, std::size_t cell) {
   const MissingCells::Way way = search_.missing_.way(cell);
   target.assign(way.begin(), way.end());  // the list grows while it is followed
-  return objects.follow(target, context_, ray_);
+  return route.follow(target, context_, ray_);
 }
 
 void SearchDriver::keep(const SurfaceHit* nearer) {

@@ -1,7 +1,7 @@
 // SearchDriver: one call that carries a RaySearch on, between the search that waits and Embree's callbacks.
 #pragma once
 
-#include "geometry/accel/instances.h"
+#include "geometry/accel/class_worlds.h"
 
 namespace meristem {
 
@@ -12,7 +12,7 @@ class SearchDriver {
   SearchDriver(const SearchDriver&) = delete;
   SearchDriver& operator=(const SearchDriver&) = delete;
 
-  RaySearch::End go_on(const Instances& objects);
+  RaySearch::End go_on(const RayRoute& route);
   // The search has no end: it would have to wait for too many cells.
   bool overflows() const { return search_.missing_.overflows(); }
 
@@ -25,7 +25,7 @@ class SearchDriver {
 
  private:
   bool has_ended() const { return state_.any && ray_.ray.tfar < 0; }
-  bool visit(const Instances& objects, std::size_t cell);
+  bool visit(const RayRoute& route, std::size_t cell);
 
   RaySearch& search_;
   RayContext& context_;

@@ -4,9 +4,18 @@
 #include "geometry/base/vec.h"
 #include "geometry/mesh/face_origin.h"
 
+#include <cstdint>
 #include <limits>
 
 namespace meristem {
+
+// Rays of different classes may see the world at different levels of detail (WorldOptions).
+enum class RayClass : std::uint8_t {
+  Camera,   // and what mirrors and clear glass show
+  Diffuse,  // scattered widely
+  Shadow    // towards a light
+};
+constexpr int ray_classes = 3;
 
 struct Ray {
   Vec3f origin;
@@ -14,6 +23,8 @@ struct Ray {
   float t_min = 0;
   float t_max = std::numeric_limits<float>::infinity();
   float time = 0;
+  RayClass ray_class = RayClass::Camera;
+  RayClass origin_class = RayClass::Camera;  // whose world the surface belongs to on which the ray begins
 };
 
 struct SurfaceHit {

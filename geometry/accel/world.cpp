@@ -1,6 +1,6 @@
 #include "geometry/accel/world.h"
 
-#include "geometry/accel/roots.h"
+#include "geometry/accel/class_worlds.h"
 #include "geometry/accel/search_driver.h"
 #include "geometry/base/parallel.h"
 #include "geometry/mesh/limit.h"
@@ -55,15 +55,12 @@ class World final : public Intersector {
   World(std::vector<Placement> objects, const WorldOptions& options)
       : recorder_(make_recorder(options)),
         cache_(options.mode == ExpandMode::Lazy ? options.budget_bytes : unlimited_bytes, recorder_.get(),
-               [this] { return shared_plan_bytes() + roots_.bytes() + (objects_ ? objects_->bytes() : 0); }),
+               [this] { return shared_plan_bytes() + roots_.bytes() + (worlds_ ? worlds_->bytes() : 0); }),
         counts_(recorder_.get()),
         roots_(options.mode, options.threads, cache_, counts_) {
     limit_plans(options);
-    run_isolated([&] { objects_ = roots_.place(objects, options.footprint, nullptr, 0, true); });
-    if (options.mode == ExpandMode::Lazy) return;
-    std::vector<const ModelRoot*> all;
-    for (const Instance& object : objects_->list()) all.push_back(&object.root());
-    expand_everything(all, options.threads);
+    run_isolated([&] { worlds_ = std::make_unique<ClassWorlds>(objects, options, roots_); });
+    if (options.mode != ExpandMode::Lazy) expand_everything(worlds_->roots(), options.threads);
   }
 
   bool intersect(const Ray& ray, SurfaceHit& hit) const override {
@@ -75,7 +72,7 @@ class World final : public Intersector {
     rtcInitIntersectContext(&context.embree);
     const SampledRay sampled(recorder_.get(), context);
     const GeometryCache::Visit visit(cache_);
-    objects_->intersect(context, query);
+    worlds_->route(ray).intersect(context, query);
     cache_.count_acquired(context.acquired);
     if (context.patch) hit = surface_hit(context, query);
     return context.patch != nullptr;
@@ -88,7 +85,7 @@ class World final : public Intersector {
     rtcInitIntersectContext(&context.embree);
     const SampledRay sampled(recorder_.get(), context);
     const GeometryCache::Visit visit(cache_);
-    objects_->occluded(context, query);
+    worlds_->route(ray).occluded(context, query);
     cache_.count_acquired(context.acquired);
     return query.tfar < 0;
   }
@@ -105,7 +102,7 @@ class World final : public Intersector {
     RaySearch::End end = RaySearch::End::Missed;
     {
       const GeometryCache::Visit visit(cache_);
-      end = driver.go_on(*objects_);
+      end = driver.go_on(worlds_->route(ray));
       if (context.patch && !driver.overflows()) hit = surface_hit(context, query);
     }
     cache_.count_acquired(context.acquired);
@@ -125,7 +122,7 @@ class World final : public Intersector {
     const GeometryCache::ThreadCounts counts = cache_.thread_counts();
     return {counts.expansions, counts.reexpansions, counts.acquired};
   }
-  Bounds3f bounds() const override { return objects_->bounds(); }
+  Bounds3f bounds() const override { return worlds_->camera().bounds(); }
 
   ExpansionStatistics statistics() const override {
     ExpansionStatistics s;
@@ -180,7 +177,7 @@ class World final : public Intersector {
       invalid_rays_.fetch_add(1, std::memory_order_relaxed);
       return false;
     }
-    if (objects_->list().empty()) return false;
+    if (worlds_->camera().list().empty()) return false;
     query = {ray.origin.x,
              ray.origin.y,
              ray.origin.z,
@@ -201,7 +198,7 @@ class World final : public Intersector {
   ExpansionCounts counts_;
   mutable std::atomic<std::uint64_t> invalid_rays_{0};
   Roots roots_;
-  std::unique_ptr<Instances> objects_;
+  std::unique_ptr<ClassWorlds> worlds_;
 };
 
 }  // namespace
@@ -213,11 +210,9 @@ std::size_t least_budget(const std::vector<Placement>& objects, const WorldOptio
   GeometryCache cache(unlimited_bytes);
   ExpansionCounts counts;
   Roots roots(options.mode, options.threads, cache, counts);
-  std::unique_ptr<Instances> placed;
-  run_isolated([&] { placed = roots.place(objects, options.footprint, nullptr, 0, true); });
-  std::vector<const ModelRoot*> all;
-  for (const Instance& object : placed->list()) all.push_back(&object.root());
-  const std::size_t entries = placed->bytes() + roots.bytes() + threads * largest_chain_bytes(all);
+  std::unique_ptr<ClassWorlds> worlds;
+  run_isolated([&] { worlds = std::make_unique<ClassWorlds>(objects, options, roots); });
+  const std::size_t entries = worlds->bytes() + roots.bytes() + threads * largest_chain_bytes(worlds->roots());
   return std::size_t(double(entries) / (1 - plan_share));
 }
 

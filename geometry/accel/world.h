@@ -27,6 +27,9 @@ struct WorldOptions {
   int threads = 1;                                       // for expanding everything (Eager, Flat)
   std::shared_ptr<const Footprint> footprint = nullptr;  // in world space; null: everything in full
   bool record = false;                                   // Intersector::profile() then has figures (Lazy, Eager)
+  // What rays of other classes than the camera's want to see; null: the same. Rays of classes with one footprint object
+  // see one world.
+  std::shared_ptr<const Footprint> diffuse_footprint = nullptr, shadow_footprint = nullptr;
 };
 
 // The least budget that can hold what one ray of each thread needs at once: a chain of cells from the root to a

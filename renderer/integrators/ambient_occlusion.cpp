@@ -22,7 +22,7 @@ class AmbientOcclusion : public Integrator {
       report_first(first, scene, ray, hit);
       const bool behind = dot(hit.geometric_normal, ray.direction) > 0;
       const Frame frame(behind ? -hit.geometric_normal : hit.geometric_normal);
-      Ray probe = ray_from(hit, frame.to_world(cosine_hemisphere(sampler.next_2d())), ray.time);
+      Ray probe = ray_from(hit, frame.to_world(cosine_hemisphere(sampler.next_2d())), ray, RayClass::Shadow);
       probe.t_max = distance_;
       ++counts.shadow;
       open = !scene.intersector->occluded(probe);

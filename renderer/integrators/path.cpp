@@ -150,7 +150,7 @@ class Walk {
           const Spectrum f = bsdf.evaluate(point.wo, wi);
           return Scattered{f, f == Spectrum{} ? 0 : bsdf.pdf(point.wo, wi)};
         },
-        [&](Vec3f wi) { return ray_from(hit, wi, s_.ray.time); });
+        [&](Vec3f wi) { return ray_from(hit, wi, s_.ray, RayClass::Shadow); });
     s_.goes_on = scatter(point, bsdf);
     ask_light_first(asks_light);
   }
@@ -185,16 +185,17 @@ class Walk {
           const float p = phase(c.anisotropy, dot(before, wi));
           return Scattered{Spectrum(p), p};
         },
-        [&](Vec3f wi) { return free_ray(place, wi); });
+        [&](Vec3f wi) { return free_ray(place, wi, RayClass::Shadow); });
     s_.goes_on = scatter_in_medium(place);
     ask_light_first(asks_light);
   }
 
-  Ray free_ray(Vec3f origin, Vec3f direction) const {
+  Ray free_ray(Vec3f origin, Vec3f direction, RayClass ray_class) const {
     Ray ray;
     ray.origin = origin;
     ray.direction = direction;
     ray.time = s_.ray.time;
+    ray.ray_class = ray.origin_class = ray_class;
     return ray;
   }
 
@@ -209,7 +210,7 @@ class Walk {
   void pass_through(const SurfaceHit& hit) {
     if (++s_.passes > max_passes) return;
     s_.travelled += hit.t;
-    fly(ray_from(hit, s_.ray.direction, s_.ray.time));
+    fly(ray_from(hit, s_.ray.direction, s_.ray, s_.ray.ray_class));
     ask(PathState::Asks::Surface);
   }
 
@@ -313,7 +314,7 @@ class Walk {
     s_.visible *= 1 - bsdf.opacity;
     if (!(s_.visible > 0) || ++s_.light_passes == max_passes) return add_light(0);
     const float rest = s_.shadow.t_max - veil.t;
-    s_.shadow = ray_from(veil, s_.shadow.direction, s_.shadow.time);
+    s_.shadow = ray_from(veil, s_.shadow.direction, s_.shadow, RayClass::Shadow);
     s_.shadow.t_max = rest;
   }
 
@@ -330,13 +331,19 @@ class Walk {
     s_.throughput *= s.weight;
     s_.entered *= s.eta * s.eta;
     s_.spread /= s.eta;  // by the law of refraction, for small angles
-    return survives() && leave(receiver(point, bsdf), s.pdf, ray_from(point.hit, s.wi, s_.ray.time));
+    return survives() && leave(receiver(point, bsdf), s.pdf, ray_from(point.hit, s.wi, s_.ray, class_of(s.pdf)));
   }
 
   bool scatter_in_medium(Vec3f place) {
     const Vec3f before = s_.ray.direction, after = sample_phase(s_.collision.anisotropy, before, sampler_.next_2d());
     const float pdf = phase(s_.collision.anisotropy, dot(before, after));
-    return survives() && leave({place, {}}, pdf, free_ray(place, after));
+    return survives() && leave({place, {}}, pdf, free_ray(place, after, class_of(pdf)));
+  }
+
+  // Of a direction that was picked with this density by solid angle: mirrors show what the ray itself would see.
+  RayClass class_of(float pdf) const {
+    constexpr float mirror_pdf = 10;  // the peak of a lobe some 20 degrees wide; diffuse reflection stays below 1 / pi
+    return pdf > mirror_pdf ? s_.ray.ray_class : RayClass::Diffuse;
   }
 
   bool survives() {

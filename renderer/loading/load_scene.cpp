@@ -26,21 +26,34 @@ namespace {
 // What the scene's camera wants to see of geometry.
 class CameraFootprint final : public Footprint {
  public:
-  CameraFootprint(const Camera& camera, const RenderSettings& settings) : camera_(camera), settings_(settings) {}
+  CameraFootprint(const Scene& scene, double detail)
+      : camera_(*scene.camera), width_(scene.settings.width), height_(scene.settings.height), detail_(detail) {}
   double at(Vec3d position) const override {
     constexpr double smallest = 1e-9;  // at the camera itself
-    return std::max(settings_.detail * double(camera_.footprint(Vec3f(position), settings_.width, settings_.height)),
-                    smallest);
+    return std::max(detail_ * double(camera_.footprint(Vec3f(position), width_, height_)), smallest);
   }
 
  private:
   const Camera& camera_;
-  const RenderSettings settings_;
+  const int width_, height_;
+  const double detail_;  // pixels
 };
 
+std::shared_ptr<const Footprint> camera_footprint(const Scene& scene, double detail) {
+  if (detail <= 0) return nullptr;
+  return std::make_shared<CameraFootprint>(scene, detail);
+}
+
 std::shared_ptr<const Footprint> camera_footprint(const Scene& scene) {
-  if (scene.settings.detail <= 0) return nullptr;
-  return std::make_shared<CameraFootprint>(*scene.camera, scene.settings);
+  return camera_footprint(scene, scene.settings.detail);
+}
+
+// What classes of rays want to see beside it.
+void add_class_footprints(const Scene& scene, WorldOptions& options) {
+  const auto [diffuse, shadow] = std::pair(scene.settings.diffuse_detail, scene.settings.shadow_detail);
+  if (diffuse >= 0 && diffuse != scene.settings.detail) options.diffuse_footprint = camera_footprint(scene, diffuse);
+  if (shadow >= 0 && shadow != scene.settings.detail)
+    options.shadow_footprint = shadow == diffuse ? options.diffuse_footprint : camera_footprint(scene, shadow);
 }
 
 class SceneBuilder {
@@ -114,8 +127,9 @@ class SceneBuilder {
  private:
   void make_intersector(std::vector<Placement> world, const Location& where) {
     const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
-    const WorldOptions world_options{options_.expand, scene_->settings.budget_bytes, threads, camera_footprint(*scene_),
-                                     options_.record};
+    WorldOptions world_options{options_.expand, scene_->settings.budget_bytes, threads, camera_footprint(*scene_),
+                               options_.record};
+    add_class_footprints(*scene_, world_options);
     check_budget(world, world_options, where);
     scene_->intersector = make_world(std::move(world), world_options);
   }

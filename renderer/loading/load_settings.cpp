@@ -69,6 +69,27 @@ void read_aovs(Params& params, RenderSettings& settings) {
   if (!list.empty()) settings.aovs = parse_aovs(list);
 }
 
+// Of what scattered and shadow rays meet. Absent: as the camera.
+void read_ray_class_detail(Params& params, RenderSettings& settings) {
+  const Value* section = params.raw(
+      "ray_class_detail", false,
+      R"({"type": "object", "additionalProperties": false, "properties": )"
+      R"({"diffuse": {"type": "number", "minimum": 0.01, "maximum": 1024}, )"
+      R"("shadow": {"type": "number", "minimum": 0.01, "maximum": 1024}}})",
+      "\"detail\" of what \"diffuse\" rays (scattered widely) and \"shadow\" rays meet, where it is not the camera's");
+  if (!section) return;
+  if (section->kind != Value::Kind::Object)
+    return params.error("ray_class_detail", R"("ray_class_detail" is an object such as { "diffuse": 4, "shadow": 4 })");
+  Params classes(*section, "ray_class_detail", params.diagnostics());
+  const auto read = [&](const char* name, const char* doc, double& detail) {
+    const double given = classes.real(name, settings.detail, {0.01, 1024, "px"}, doc);
+    if (section->find(name)) detail = given;
+  };
+  read("diffuse", "for rays that are scattered widely", settings.diffuse_detail);
+  read("shadow", "for rays towards lights", settings.shadow_detail);
+  classes.finish();
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> parse_bytes(const std::string& text) {
@@ -88,6 +109,7 @@ RenderSection read_render(Params& params) {
                                "bounces of a path at most; 0: emission only, 1: direct light");
   s.detail = params.real("detail", s.detail, {0, 1024, "px"},
                          "wanted size of faces: finer levels are left out; 0: none is, however small");
+  read_ray_class_detail(params, s);
   s.seed = std::uint64_t(
       params.integer("seed", 0, {0, 2147483647, ""}, "another seed gives other noise, not another scene"));
   s.noise = params.real("noise", 0, {0, 1, ""}, "pixels whose noise is below it take no more samples; 0: all take all");

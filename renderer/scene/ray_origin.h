@@ -17,11 +17,14 @@ inline Vec3f ray_origin(const SurfaceHit& hit, Vec3f direction) {
   return origin;
 }
 
-inline Ray ray_from(const SurfaceHit& hit, Vec3f direction, float time) {
+// From what the ray `before` has met.
+inline Ray ray_from(const SurfaceHit& hit, Vec3f direction, const Ray& before, RayClass ray_class) {
   Ray ray;
   ray.origin = ray_origin(hit, direction);
   ray.direction = direction;
-  ray.time = time;
+  ray.time = before.time;
+  ray.ray_class = ray_class;
+  ray.origin_class = before.ray_class;
   return ray;
 }
 

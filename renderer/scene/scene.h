@@ -22,8 +22,9 @@ enum class RayOrder : std::uint8_t {
 struct RenderSettings {
   int width = 1280, height = 720;
   int samples = 64;
-  int max_depth = 8;  // bounces
-  double detail = 1;  // wanted size of faces in pixels; 0: every level, however small
+  int max_depth = 8;                               // bounces
+  double detail = 1;                               // wanted size of faces in pixels; 0: every level, however small
+  double diffuse_detail = -1, shadow_detail = -1;  // `detail` of what rays of these classes meet; negative: the same
   std::uint64_t seed = 0;
   std::uint64_t budget_bytes = std::uint64_t(2) << 30;  // of the geometry cache
   RayOrder ray_order = RayOrder::Auto;

@@ -28,12 +28,14 @@ std::vector<Placement> nested_objects(const CellSettings& cells) {
   return std::vector<Placement>{{four, Affine3d(), 0, true}, {four, Affine3d::translation({0.5, -3, 0}), 5, false}};
 }
 
-// From outside and inside, most of them through several cells; some end before they meet anything.
+// From outside and inside, most of them through several cells; some end before they meet anything. Of all classes.
 Ray ray_of(int i) {
   const auto random = [i](int what) { return 2 * uniform_float(hash_keys(Key(i), Key(what))) - 1; };
   const Vec3f from{4 * random(1), 5 * random(2), 4 * random(3)}, to{2 * random(4), 4 * random(5) - 1, random(6)};
   Ray ray{from, to - from};
   if (i % 3 == 0) ray.t_max = 0.8f + random(7) * 0.5f;
+  ray.origin_class = RayClass(i % 7 % ray_classes);
+  ray.ray_class = RayClass(i % 5 % ray_classes);
   return ray;
 }
 
@@ -85,11 +87,13 @@ struct Way {
 // 102,000 rays in all.
 TEST(RaySearch, FindsTheSameHitsRayByRay) {
   constexpr int count = 34000;
-  const auto footprint = std::make_shared<const PointFootprint>(Vec3d(6, 0, 0), 0.02);
+  const auto footprint = std::make_shared<const PointFootprint>(Vec3d(6, 0, 0), 0.02),
+             coarse = std::make_shared<const PointFootprint>(Vec3d(6, 0, 0), 0.05);
   int first = 0;
   for (const Way& way : {Way{{64, 64}, 1 / 16., 1}, Way{{16, 256}, 1 / 4., 8}, Way{{256, 64}, 2, 2}}) {
     const auto objects = nested_objects(way.cells);
-    const auto eager = make_world(objects, {.mode = ExpandMode::Eager, .footprint = footprint});
+    const auto eager =
+        make_world(objects, {.mode = ExpandMode::Eager, .footprint = footprint, .diffuse_footprint = coarse});
     std::vector<Found> expected(count);
     for (int i = 0; i < count; ++i) {
       SurfaceHit hit;
@@ -97,7 +101,8 @@ TEST(RaySearch, FindsTheSameHitsRayByRay) {
     }
     EXPECT_GT(std::ranges::count_if(expected, &Found::met), count / 3);
     const auto budget = std::size_t(way.budget * double(eager->statistics().resident_bytes_peak));
-    const auto world = make_world(objects, {.budget_bytes = budget, .footprint = footprint});
+    const auto world =
+        make_world(objects, {.budget_bytes = budget, .footprint = footprint, .diffuse_footprint = coarse});
     run_threads(way.threads, [&](int t) {
       const int begin = count / way.threads * t, end = count / way.threads * (t + 1);
       const bool any = t % 2 == 1;  // both kinds, side by side

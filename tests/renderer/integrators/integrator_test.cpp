@@ -36,7 +36,10 @@ struct Analytic : Intersector {
   std::vector<Ball> balls;
   std::vector<Floor> floors;
 
+  mutable std::vector<std::pair<RayClass, RayClass>> classes;  // of the rays, and of where they begin
+
   bool intersect(const Ray& ray, SurfaceHit& hit) const override {
+    classes.emplace_back(ray.ray_class, ray.origin_class);
     hit = {};
     const Vec3d o(ray.origin), d(ray.direction);
     double nearest = ray.t_max;
@@ -158,6 +161,24 @@ TEST_F(Transport, GlowingBallFromInside) {
   EXPECT_NEAR(radiance({0.3f, 0.1f, 0.2f}, {1, 2, 3}).x, 1.5, 1e-4);
   scene.settings.max_depth = 0;
   EXPECT_EQ(radiance({0.3f, 0.1f, 0.2f}, {1, 2, 3}, 16).x, 1);
+}
+
+// Light that is scattered widely and light that is asked for have classes of their own; mirrors show what the camera
+// would see.
+TEST_F(Transport, RaysTellTheirClass) {
+  using enum RayClass;
+  add_ball({0, 0, 0}, 2);
+  scene.lights.push_back(make<Light>(register_sphere, R"({ "center": [0, 0, 0], "radius": 0.5, "intensity": 16 })"));
+  scene.settings.max_depth = 2;
+  radiance({1, 0, 0}, {1, 0.2f, 0.1f}, 1);
+  EXPECT_EQ(world->classes,
+            (std::vector{std::pair(Camera, Camera), std::pair(Shadow, Camera), std::pair(Diffuse, Camera),
+                         std::pair(Shadow, Diffuse), std::pair(Diffuse, Diffuse)}));
+  world->classes.clear();
+  static_cast<Matte&>(*scene.materials[0]).glass = 1;
+  scene.settings.max_depth = 1;
+  for (int i = 0; i < 16; ++i) radiance({1, 0, 0}, {1, 0.2f, 0.1f}, 1);
+  EXPECT_EQ(std::ranges::count(world->classes, std::pair(Camera, Camera)), 32);
 }
 
 // A lamp in the middle of a closed white-washed ball of radius R: irradiance is even, E = pi L (r/R)^2, and all bounces

@@ -96,7 +96,8 @@ TEST_F(SameImage, DepthFirstAndQueuedForAnyThreadsAndBudget) {
     "objects": [ { "model": "pair" }, { "model": "pair", "position": [-1, 0.5, -1], "rotate": [0, 130, 10] } ],
     "lights": [ { "type": "sky", "elevation": 32 } ],
     "camera": { "from": [2, 1.5, 4], "to": [0.3, 1.5, 0], "fov": 46 },
-    "render": { "size": [32, 18], "samples": 3, "max_depth": 3, "detail": 0.15 } })json");
+    "render": { "size": [32, 18], "samples": 3, "max_depth": 3, "detail": 0.15,
+                "ray_class_detail": { "diffuse": 0.4, "shadow": 0.3 } } })json");
   const Rendered eager = render(ExpandMode::Eager, 2, no_limit);
   const std::uint64_t touched_bytes = render(ExpandMode::Lazy, 1, no_limit).expansion.resident_bytes_peak;
   for (const auto& [threads, wanted] : {std::pair(1, touched_bytes / 2), std::pair(2, touched_bytes / 16),
