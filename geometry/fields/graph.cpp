@@ -56,6 +56,8 @@ ValueType result_type(Op op, bool any_vector) {
     case Op::VectorNoise:
     case Op::VectorFbm:
     case Op::VectorTurbulence:
+    case Op::VectorNoise4:
+    case Op::VectorFbm4:
     case Op::CellColor:
     case Op::VoronoiPosition:
     case Op::VoronoiColor:

@@ -1,7 +1,8 @@
 #include "geometry/fields/interval.h"
 
 #include "geometry/base/check.h"
-#include "geometry/fields/noise_constants.h"
+#include "geometry/fields/noise_bounds.h"
+#include "geometry/fields/range.h"
 
 #include <algorithm>
 #include <array>
@@ -12,52 +13,8 @@ namespace meristem {
 
 namespace {
 
-constexpr double largest = std::numeric_limits<float>::max();
-constexpr double smallest = std::numeric_limits<float>::min();  // below it numbers are flushed to 0
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using namespace bounds;
 
-// An interval in double, in which products and sums of floats neither overflow nor lose what matters.
-struct Range {
-  double lower = 0, upper = 0;
-
-  bool contains(double v) const { return lower <= v && v <= upper; }
-  double magnitude() const { return std::max(std::abs(lower), std::abs(upper)); }
-};
-
-Range range_of(Interval i) { return {i.lower, i.upper}; }
-Interval interval_of(Range r) { return {float(r.lower), float(r.upper)}; }  // of floats
-Range hull(Range a, Range b) { return {std::min(a.lower, b.lower), std::max(a.upper, b.upper)}; }
-Range clipped(Range r, double lower, double upper) {
-  return {std::clamp(r.lower, lower, upper), std::clamp(r.upper, lower, upper)};
-}
-Range clipped(Range r, Range to) { return clipped(r, to.lower, to.upper); }
-
-// The floats that an operation with this exact range may give: 4 ulps further, flushed denormals, saturated.
-Range rounded(Range r) {
-  auto margin = [](double v) { return std::abs(v) * 0x1p-21 + 2 * smallest; };
-  auto down = [](double v) {
-    const float f = float(v);
-    return double(f) <= v ? f : std::nextafterf(f, -INFINITY);
-  };
-  auto up = [](double v) {
-    const float f = float(v);
-    return double(f) >= v ? f : std::nextafterf(f, INFINITY);
-  };
-  return {down(std::clamp(r.lower - margin(r.lower), -largest, largest)),
-          up(std::clamp(r.upper + margin(r.upper), -largest, largest))};
-}
-
-Range add(Range a, Range b) { return {a.lower + b.lower, a.upper + b.upper}; }
-Range subtract(Range a, Range b) { return {a.lower - b.upper, a.upper - b.lower}; }
-Range multiply(Range a, Range b) {
-  const auto [least, most] = std::minmax({a.lower * b.lower, a.lower * b.upper, a.upper * b.lower, a.upper * b.upper});
-  return {least, most};
-}
-Range absolute(Range a) {
-  if (a.lower >= 0) return a;
-  if (a.upper <= 0) return {-a.upper, -a.lower};
-  return {0, a.magnitude()};
-}
 Range square(Range a) {
   const Range m = absolute(a);
   return {m.lower * m.lower, m.upper * m.upper};
@@ -197,6 +154,10 @@ Range unary(Op op, Range a) {
     case Op::Sinh: return rounded(exact([](double v) { return std::sinh(std::clamp(v, -200.0, 200.0)); }));
     case Op::Cosh: return hyperbolic_cosine(a);
     case Op::Tanh: return clipped(rounded(exact(libm(std::tanh))), -1, 1);
+    case Op::Asinh: return rounded(exact(libm(std::asinh)));
+    case Op::Acosh: return clipped(rounded(exact([](double v) { return std::acosh(std::max(v, 1.0)); })), 0, largest);
+    case Op::Atanh:
+      return rounded(exact([](double v) { return std::atanh(std::clamp(v, -1 + 0x1p-24, 1 - 0x1p-24)); }));
     case Op::SmoothCurve:
       return clipped(rounded(Range{smooth_curve(a.lower) - 1e-6, smooth_curve(a.upper) + 1e-6}), 0, 1.000001);
     case Op::GaussCurve: return clipped(rounded(exact(gauss_curve)), 0, 1);
@@ -237,7 +198,6 @@ Range ternary(Op op, Range a, Range b, Range c) {
 }
 
 // A vector's ranges with a bound on its length.
-using Box = std::array<Range, 3>;
 struct Bound {
   Box box;
   double length = infinity;
@@ -442,7 +402,12 @@ class Evaluation {
       case Op::Fbm:
       case Op::VectorFbm:
       case Op::Turbulence:
-      case Op::VectorTurbulence: return octaves(n, a);
+      case Op::VectorTurbulence:
+      case Op::Noise4:
+      case Op::VectorNoise4:
+      case Op::Fbm4:
+      case Op::VectorFbm4:
+      case Op::PeriodicNoise: return gradient_noise(n, a);
       case Op::CellColor:
       case Op::VoronoiColor: return vector_value({{Range{0, 1}, Range{0, 1}, Range{0, 1}}});
       case Op::Voronoi: return scalar_value(voronoi(n.parameter));
@@ -480,76 +445,18 @@ class Evaluation {
     return vector_value({box});
   }
 
-  // A noise over a box: its value at the centre and its greatest slope, octave by octave.
-  IntervalValue octaves(const Node& n, std::span<const NodeId> a) const {
-    const bool vector = n.type == ValueType::Vector, single = n.op == Op::Noise || n.op == Op::VectorNoise;
-    const bool absolute_value = n.op == Op::Turbulence || n.op == Op::VectorTurbulence;
-    const Range lacunarity = single ? Range{2, 2} : clipped(scalar(a[1]), -double(max_lacunarity), max_lacunarity);
-    const Range gain = single ? Range{0, 0} : clipped(scalar(a[2]), -double(max_gain), max_gain);
-    std::array<Range, 3> sum{};
-    Range amplitude{1, 1};
-    double magnitude = 0;
-    Ball ball = ball_around(a[0]);
-    for (int k = 0; k < (single ? 1 : n.parameter); ++k) {
-      const Box here = noise_in(ball, vector);
-      for (std::size_t c = 0; c < 3; ++c)
-        sum[c] = add(sum[c], multiply(amplitude, absolute_value ? absolute(here[c]) : here[c]));
-      magnitude += amplitude.magnitude();
-      amplitude = multiply(amplitude, gain);
-      if (lacunarity.lower == lacunarity.upper)
-        ball.step(lacunarity.lower, octave_shifts[std::size_t(k)]);
-      else
-        ball.radius = infinity;
+  IntervalValue gradient_noise(const Node& n, std::span<const NodeId> a) const {
+    NoisePlaces places{n.op, n.parameter};
+    for (int c = 0; c < 3; ++c) places.place[std::size_t(c)] = component(a[0], c);
+    if (noise_dimensions(n.op) == 4) places.place[3] = scalar(a[1]);
+    if (n.op == Op::PeriodicNoise)
+      for (int c = 0; c < 3; ++c) places.period[std::size_t(c)] = component(a[1], c);
+    if (has_octaves(n.op)) {
+      places.lacunarity = scalar(a[a.size() - 2]);
+      places.gain = scalar(a[a.size() - 1]);
     }
-    for (Range& r : sum) {
-      r = rounded({r.lower - magnitude * 1e-5, r.upper + magnitude * 1e-5});
-      r = clipped(r, -magnitude * 1.00001, magnitude * 1.00001);
-      if (absolute_value && gain.lower >= 0) r.lower = std::max(r.lower, 0.0);
-    }
-    return vector ? vector_value({sum}) : scalar_value(sum[0]);
-  }
-
-  // The points that an octave sees: a centre, and a radius that holds the rounding of the kernel's own steps.
-  struct Ball {
-    Vec3d center;
-    double radius = 0;
-
-    double size() const { return max_component(abs(center)); }
-    void step(double lacunarity, double shift) {
-      const Vec3d p = center * lacunarity;
-      const double t = (p.y + p.z - p.x) * (2.0 / 3) + shift;
-      center = {t - p.y, t - p.z, t + p.x};
-      radius = radius * std::abs(lacunarity) * (1 + 0x1p-20) + (size() + max_component(abs(p)) + 1) * 0x1p-20;
-    }
-  };
-  Ball ball_around(NodeId a) const {
-    Vec3d center, half;
-    for (int c = 0; c < 3; ++c) {
-      const Range r = clipped(component(a, c), -0x1p24, 0x1p24);
-      center[c] = (r.lower + r.upper) / 2;
-      half[c] = (r.upper - r.lower) / 2;
-    }
-    return {center, meristem::length(half)};
-  }
-  static Box noise_in(const Ball& ball, bool vector) {
-    const Range all{-1, 1};
-    const double reach = noise_slope * (ball.radius + ball.size() * 0x1p-22) + 1e-5;
-    if (!(reach < 2)) return {all, all, all};
-    const Vec3f value = noise_at(ball.center, vector);
-    Box box;
-    for (int c = 0; c < 3; ++c) box[std::size_t(c)] = clipped(Range{value[c] - reach, value[c] + reach}, all);
-    return box;
-  }
-  static Vec3f noise_at(Vec3d p, bool vector) {
-    std::array<std::array<float, lane_group>, 3> place, out{};
-    std::array<Operand, 3> operands;
-    for (std::size_t c = 0; c < 3; ++c) {
-      place[c].fill(float(p[int(c)]));
-      operands[c] = {place[c].data(), 0};
-    }
-    const KernelCall call{{out[0].data(), out[1].data(), out[2].data()}, operands.data(), 3};
-    best_kernels().functions[std::size_t(vector ? Op::VectorNoise : Op::Noise)](call, lane_group);
-    return {out[0][0], out[1][0], out[2][0]};
+    const Box box = noise_bounds(places);
+    return n.type == ValueType::Vector ? vector_value({box}) : scalar_value(box[0]);
   }
 
   const Graph& g_;

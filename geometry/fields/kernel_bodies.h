@@ -3,6 +3,7 @@
 
 #include "geometry/fields/kernels.h"
 #include "geometry/fields/math_lanes.h"
+#include "geometry/fields/noise4_lanes.h"
 #include "geometry/fields/noise_lanes.h"
 
 namespace meristem {
@@ -11,6 +12,13 @@ namespace {
 MERISTEM_INLINE F at(const Operand& operand, int lane) { return load(operand.data + (lane & operand.step_mask)); }
 MERISTEM_INLINE Point point_at(const Operand* operands, int lane) {
   return {at(operands[0], lane), at(operands[1], lane), at(operands[2], lane)};
+}
+template <class Place>
+MERISTEM_INLINE Place place_at(const Operand* operands, int lane) {
+  if constexpr (Place::dimensions == 3)
+    return point_at(operands, lane);
+  else
+    return {point_at(operands, lane), at(operands[3], lane)};
 }
 MERISTEM_INLINE void put(const std::array<float*, 3>& out, int lane, F value) { store(out[0] + lane, value); }
 MERISTEM_INLINE void put(const std::array<float*, 3>& out, int lane, Point p) {
@@ -111,6 +119,9 @@ UNARY_DOUBLE(Atan, arc_tangent(a))
 UNARY_DOUBLE(Sinh, hyperbolic_sine(a))
 UNARY_DOUBLE(Cosh, hyperbolic_cosine(a))
 UNARY_DOUBLE(Tanh, hyperbolic_tangent(a))
+UNARY_DOUBLE(Asinh, inverse_hyperbolic_sine(a))
+UNARY_DOUBLE(Acosh, inverse_hyperbolic_cosine(a))
+UNARY_DOUBLE(Atanh, inverse_hyperbolic_tangent(a))
 UNARY(SmoothCurve, smooth_curve(clamp(a, splat(0.0f), splat(1.0f))))
 // 2^(-8 (1 - a)^2) between 0 and 1
 MERISTEM_INLINE D gauss_curve(D a) {
@@ -217,33 +228,43 @@ void Rotate(const KernelCall& c, int lanes) {
       });
 }
 
-void Noise(const KernelCall& c, int lanes) {
-  for_operands<3>(
+MERISTEM_INLINE F scaled(F n) { return n * noise_scale; }
+MERISTEM_INLINE Point scaled(Point n) { return {n.x * noise_scale, n.y * noise_scale, n.z * noise_scale}; }
+
+#define NOISE(name, Place, noise)                                               \
+  void name(const KernelCall& c, int lanes) {                                   \
+    for_operands<Place::dimensions>(                                            \
+        c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) { \
+          return scaled(noise(cell_of(clamp_point(place_at<Place>(a, i)))));    \
+        });                                                                     \
+  }
+NOISE(Noise, Point, one_noise)
+NOISE(VectorNoise, Point, vector_noise)
+NOISE(Noise4, Point4, one_noise)
+NOISE(VectorNoise4, Point4, vector_noise)
+
+// Operands: point, periods.
+void PeriodicNoise(const KernelCall& c, int lanes) {
+  for_operands<6>(
       c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
-        return one_noise(cell_of(clamp_point(point_at(a, i)))) * noise_scale;
-      });
-}
-void VectorNoise(const KernelCall& c, int lanes) {
-  for_operands<3>(
-      c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
-        const Point n = vector_noise(cell_of(clamp_point(point_at(a, i))));
-        return Point{n.x * noise_scale, n.y * noise_scale, n.z * noise_scale};
+        return scaled(one_noise(periodic_cell_of(clamp_point(point_at(a, i)), point_at(a + 3, i))));
       });
 }
 
-// Operands: point, lacunarity, gain; `parameter` octaves. The sum of shape(noise of octave k) * gain^k.
-template <class Noise, class Shape>
+// Operands: place, lacunarity, gain; `parameter` octaves. The sum of shape(noise of octave k) * gain^k.
+template <class Place, class Noise, class Shape>
 MERISTEM_INLINE void octaves(const KernelCall& c, int lanes, Noise noise, Shape shape) {
   const int count = c.parameter;
-  for_operands<5>(
+  constexpr int dimensions = Place::dimensions;
+  for_operands<dimensions + 2>(
       c, lanes, [&](const Operand* a, int i) __attribute__((always_inline)) {
-        Point p = clamp_point(point_at(a, i));
-        const F lacunarity = limit(at(a[3], i), max_lacunarity);
-        const F gain = limit(at(a[4], i), max_gain);
+        Place p = clamp_point(place_at<Place>(a, i));
+        const F lacunarity = limit(at(a[dimensions], i), max_lacunarity);
+        const F gain = limit(at(a[dimensions + 1], i), max_gain);
         F amplitude = splat(noise_scale);
         decltype(noise(cell_of(p))) sum{};
         for (int k = 0; k < count; ++k) {
-          const Cell cell = cell_of(p);
+          const auto cell = cell_of(p);
           p = next_octave(p, lacunarity,
                           octave_shifts[std::size_t(k)]);  // before the sum: its latency hides behind that
           add_scaled(sum, shape(noise(cell)), amplitude);
@@ -252,16 +273,18 @@ MERISTEM_INLINE void octaves(const KernelCall& c, int lanes, Noise noise, Shape 
         return sum;
       });
 }
-#define OCTAVES(name, noise, shape)                                                             \
+#define OCTAVES(name, Place, noise, shape)                                                      \
   void name(const KernelCall& c, int lanes) {                                                   \
-    octaves(                                                                                    \
-        c, lanes, [&](const Cell& cell) __attribute__((always_inline)) { return noise(cell); }, \
+    octaves<Place>(                                                                             \
+        c, lanes, [&](const auto& cell) __attribute__((always_inline)) { return noise(cell); }, \
         [&](auto n) __attribute__((always_inline)) { return shape; });                          \
   }
-OCTAVES(Fbm, one_noise, n)
-OCTAVES(VectorFbm, vector_noise, n)
-OCTAVES(Turbulence, one_noise, absolute(n))
-OCTAVES(VectorTurbulence, vector_noise, absolute(n))
+OCTAVES(Fbm, Point, one_noise, n)
+OCTAVES(VectorFbm, Point, vector_noise, n)
+OCTAVES(Turbulence, Point, one_noise, absolute(n))
+OCTAVES(VectorTurbulence, Point, vector_noise, absolute(n))
+OCTAVES(Fbm4, Point4, one_noise, n)
+OCTAVES(VectorFbm4, Point4, vector_noise, n)
 
 void CellNoise(const KernelCall& c, int lanes) {
   for_operands<3>(

@@ -147,6 +147,22 @@ MERISTEM_INLINE D hyperbolic_tangent(D a) {
   const D s = a * a;
   return blend((e - 1.0) / (e + 1.0), a * (1.0 - s * (1.0 / 3 - s * (2.0 / 15))), L(abs(a) < 1e-2));
 }
+// The series of the inverse functions are within 2^-54 of them.
+MERISTEM_INLINE D inverse_hyperbolic_sine(D a) {
+  const D m = abs(a), s = a * a;
+  const D value = copy_sign(logarithm(m + sqrt(s + 1.0)), a);
+  return blend(value, a * (1.0 - s * (1.0 / 6 - s * (3.0 / 40 - s * (15.0 / 336)))), L(m < 1e-2));
+}
+MERISTEM_INLINE D inverse_hyperbolic_cosine(D a) {
+  a = max(a, splat(1.0));
+  return logarithm(a + sqrt((a - 1.0) * (a + 1.0)));
+}
+MERISTEM_INLINE D inverse_hyperbolic_tangent(D a) {
+  a = limit(a, 1 - 0x1p-24);
+  const D s = a * a;
+  return blend(logarithm((1.0 + a) / (1.0 - a)) * 0.5, a * (1.0 + s * (1.0 / 3 + s * (1.0 / 5 + s * (1.0 / 7)))),
+               L(abs(a) < 1e-2));
+}
 MERISTEM_INLINE D cube_root(D a) {
   const D value = copy_sign(exponential(logarithm(abs(a)) * (1.0 / 3)), a);
   return D(L(value) & ~L(a == 0.0));

@@ -12,6 +12,7 @@ constexpr float noise_scale = 0x1.4p-31f;
 // No noise is steeper: the largest slope for any gradients is 5.781 (found by a search over the cell and directions:
 // at its centre, along an axis).
 constexpr double noise_slope = 5.8;
+constexpr double noise_slope_4d = 8.2;  // 8.125, likewise
 
 constexpr std::uint32_t vector_noise_seed_y = 0x68e31da4u;
 constexpr std::uint32_t vector_noise_seed_z = 0xb5297a4du;

@@ -15,6 +15,7 @@ namespace {
 constexpr std::uint32_t prime_x = 0xd1342543u, prime_y = 0xde82ef95u, prime_z = 0xa24baed5u;
 
 struct Point {
+  static constexpr int dimensions = 3;
   F x, y, z;
 };
 
@@ -42,6 +43,22 @@ struct Cell {
   Axis x, y, z;
 };
 MERISTEM_INLINE Cell cell_of(Point p) { return {axis_of(p.x, prime_x), axis_of(p.y, prime_y), axis_of(p.z, prime_z)}; }
+
+// The same on a lattice that comes again every max(trunc(period), 1) cells. All numbers are whole and below 2^25:
+// exact.
+MERISTEM_INLINE Axis periodic_axis_of(F a, F period, std::uint32_t prime) {
+  period = clamp(trunc(period), splat(1.0f), splat(0x1p24f));
+  const F cell = floor(a), t = a - cell;
+  F first = fused(-floor(cell / period), period, cell);
+  first = blend(first, first + period, I(first < 0.0f));  // where the quotient was rounded up
+  first = blend(first, first - period, I(first >= period));
+  const F second = blend(first + 1.0f, splat(0.0f), I(first + 1.0f >= period));
+  return {U(truncate(first)) * prime, U(truncate(second)) * prime, t, t - 1.0f, fade(t)};
+}
+MERISTEM_INLINE Cell periodic_cell_of(Point p, Point period) {
+  return {periodic_axis_of(p.x, period.x, prime_x), periodic_axis_of(p.y, period.y, prime_y),
+          periodic_axis_of(p.z, period.z, prime_z)};
+}
 
 // The dot product of the offset with the gradient, whose components are three windows on the hash, each uniform
 // in [-2^31, 2^31); a window's low bits are the next one's high bits, which matters to 1 part in 128.

@@ -146,8 +146,9 @@ void single_functions() {
   std::printf("single functions, %s\n", best_kernels().name);
   std::vector<std::shared_ptr<const Expression>> expressions;
   std::vector<Contender> contenders;
-  for (const char* text : {"u + scale", "sin(u)", "exp(u)", "pow(abs(u), scale)", "snoise(6*P)", "vnoise(6*P)",
-                           "fbm(6*P)", "voronoi(6*P)", "rand()", "norm(P)"}) {
+  for (const char* text :
+       {"u + scale", "sin(u)", "exp(u)", "pow(abs(u), scale)", "snoise(6*P)", "vnoise(6*P)", "fbm(6*P)",
+        "snoise4(6*P, u)", "fbm4(6*P, u)", "pnoise(6*P, [7, 7, 7])", "voronoi(6*P)", "rand()", "norm(P)"}) {
     const auto e = Expression::compile(text, symbols, ValueType::Vector);
     contenders.push_back(
         {text,

@@ -181,6 +181,13 @@ TEST(Bounds, OfNoisesShrinkWithTheBox) {
   const IntervalValue small = bounds("fbm(P)", 0.5f, 0.5001f), wide = bounds("fbm(P)", 0, 9);
   EXPECT_LT(small.x.upper - small.x.lower, 0.02f);
   EXPECT_NEAR(wide.x.upper, 1.96875, 1e-3);
+  for (const char* text : {"fbm4(P, x)", "snoise4(P, x)", "vnoise4(P, x)[2]", "pnoise(P, [3, 4, 5])"}) {
+    const IntervalValue b = bounds(text, 0.5f, 0.5001f);
+    EXPECT_LT(b.x.upper - b.x.lower, 0.03f) << text;
+  }
+  // Noises of other periods have nothing in common
+  EXPECT_NEAR(bounds("pnoise([0.1, 0.2, 0.3], [x, 4, 4])", 2.5f, 3.5f).x.upper, 1, 1e-4);
+  EXPECT_LT(bounds("pnoise([0.1, 0.2, 0.3], [x, 4, 4])", 3, 3.5f).x.upper, 0.9f);
 }
 
 }  // namespace

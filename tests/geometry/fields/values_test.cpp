@@ -54,6 +54,12 @@ INSTANTIATE_TEST_SUITE_P(
                     Function{"cosh(x)", [](double x) { return std::cosh(x); }, -80, 80},
                     Function{"tanh(x)", [](double x) { return std::tanh(x); }, -3, 3},
                     Function{"tanh(x)", [](double x) { return std::tanh(x); }, -0.02f, 0.02f},
+                    Function{"asinh(x)", [](double x) { return std::asinh(x); }, -1e6f, 1e6f},
+                    Function{"asinh(x)", [](double x) { return std::asinh(x); }, -0.02f, 0.02f},
+                    Function{"acosh(x)", [](double x) { return std::acosh(x); }, 1, 1.001f},
+                    Function{"acosh(x)", [](double x) { return std::acosh(x); }, 1, 1e6f},
+                    Function{"atanh(x)", [](double x) { return std::atanh(x); }, -0.999f, 0.999f},
+                    Function{"atanh(x)", [](double x) { return std::atanh(x); }, -0.02f, 0.02f},
                     Function{"exp(x)", [](double x) { return std::exp(x); }, -87, 88},
                     Function{"log(x)", [](double x) { return std::log(x); }, 1e-6f, 1e6f},
                     Function{"log(x)", [](double x) { return std::log(x); }, 0.9f, 1.1f},
@@ -150,6 +156,18 @@ TEST(Values, OfColours) {
   EXPECT_EQ(vector_value("saturate([1, 0, 0], 3)").y, 0);
 }
 
+// The colour, hue, factors of saturation and intensity, and the map.
+TEST(Values, OfMidhsiGoBothWays) {
+  const std::string args = "midhsi([0.5, 0.25, 0.25], 120, 0.5, 2, ";
+  expect_near(vector_value(args + "0.5)"), {0.5f, 0.25f, 0.25f});
+  expect_near(vector_value(args + "1)"), vector_value("hsi([0.5, 0.25, 0.25], 120, 0.5, 2)"));
+  expect_near(vector_value(args + "0)"), vector_value("hsi([0.5, 0.25, 0.25], -120, 2, 0.5)"));
+  expect_near(vector_value(args + "0.75)"), vector_value("hsi([0.5, 0.25, 0.25], 60, 0.75, 1.5)"));
+  expect_near(vector_value(args + "0.25)"), vector_value("hsi([0.5, 0.25, 0.25], -60, 1/0.75, 1/1.5)"));
+  expect_near(vector_value(args + "0.75, 0.5)"), {0.5f, 0.25f, 0.25f});  // a falloff of 0.5 starts at a map of 0.75
+  expect_near(vector_value(args + "0.8125, 1, 1)"), vector_value(args + "0.5 + smoothstep(0.625, 0, 1)/2)"));
+}
+
 TEST(Values, OfCurves) {
   EXPECT_EQ(value("curve(0.5, 0, 1, 1, 1, 3, 1)"), 2);
   EXPECT_EQ(value("curve(-4, 0, 1, 1, 1, 3, 1)"), 1);
@@ -173,6 +191,9 @@ TEST(Values, OfChoices) {
   EXPECT_EQ(value("choose(0.4, 1, 2, 3)"), 2);
   EXPECT_EQ(value("choose(5, 1, 2, 3)"), 3);
   EXPECT_EQ(value("choose(-5, 1, 2, 3)"), 1);
+  EXPECT_EQ(value("swatch(1.9, 4, 5, 6)"), 5);
+  EXPECT_EQ(value("swatch(-3, 4, 5, 6)"), 4);
+  EXPECT_EQ(value("swatch(9, 4, 5, 6)"), 6);
   EXPECT_EQ(value("wchoose(0.7, 1, 6, 2, 2, 3, 2)"), 2);
   EXPECT_EQ(vector_value("choose(0.9, [1,2,3], [4,5,6])"), Vec3f(4, 5, 6));
   EXPECT_EQ(value("pick(0.99, 1, 6)"), 6);
@@ -186,6 +207,8 @@ TEST(Values, AreDefinedWhereMathematicsIsNot) {
   EXPECT_EQ(value("sqrt(-4)"), 0);
   EXPECT_NEAR(value("log(-1)"), std::log(0x1p-126), 1e-5);
   EXPECT_NEAR(value("acos(2)"), 0, 1e-7);
+  EXPECT_EQ(value("acosh(-7)"), 0);
+  EXPECT_NEAR(value("atanh(1)"), std::atanh(1 - 0x1p-24), 1e-6);
   EXPECT_EQ(value("(-2)^0.5"), 0);
   EXPECT_EQ(value("(-2)^1.5"), 0);
   EXPECT_EQ(value("(-2)^5"), -32);
