@@ -60,6 +60,7 @@ class Expander {
     // Less may come of it than was expected while it still grew
     is_leaf_ = is_leaf_ || total_estimate() <= 2.0 * model_.settings().leaf_faces;
     if (is_leaf_) return Next::Step;
+    if (model_.step(level_).drops_faces()) return Next::Step;  // who knows what will be left
     const bool may_split = level_ > first_level_ || cell_.owned_faces > model_.settings().inner_faces;
     if (!may_split) return Next::Step;
     if (has_many_thinning_buds()) return Next::Split;
@@ -101,7 +102,7 @@ class Expander {
     result_.faces += cell_.owned_faces;
     ++level_;
     if (level_ == model_.levels()) return;
-    is_final_ = freeze_vertices(model_, cell_, level_);
+    is_final_ = cell_.owned_faces == 0 || freeze_vertices(model_, cell_, level_);
     if (is_leaf_ && !is_final_) take_done();
   }
 
@@ -112,7 +113,7 @@ class Expander {
   }
 
   void finish() {
-    if (cell_.mesh.corner_count(0) != 4) squares_ = {};
+    if (cell_.owned_faces == 0 || cell_.mesh.corner_count(0) != 4) squares_ = {};
     result_.leaf = tessellate(cell_, level_, squares_, model_.smoothing(level_), done_);
     if (model_.settings().keeps_leaf_meshes) result_.mesh = std::move(cell_);
   }

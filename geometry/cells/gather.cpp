@@ -175,7 +175,10 @@ class ChildMaker {
     Outlook joined;
     double area = 0;
     for (std::size_t child = 0; child < outlooks.size(); ++child) {
-      const Outlook& next = outlooks[child];
+      Outlook next = outlooks[child];
+      // Faces of which nothing remains are no reason to take in any number of them: a child must be less than its
+      // parent
+      next.faces = std::max(next.faces, double(inner_.faces_of_child(child).size()));
       Bounds3d both = joined.bounds;
       both.extend(next.bounds);
       const double next_area = half_area(next.bounds);

@@ -139,6 +139,7 @@ double thinned_faces(const Model& model, const CellMesh& cell, std::uint32_t fac
 bool freeze_vertices(const Model& model, CellMesh& cell, int level) {
   if (!cell.footprint) return false;
   measure_nominal_scale(model, cell, level);
+  if (model.drops_faces_later(level)) return false;  // which of the faces will be shown is not known yet
   Freezing freezing(model, cell, level);
   if (freezing.find_candidates()) return true;
   freezing.freeze();

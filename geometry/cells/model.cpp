@@ -72,6 +72,11 @@ double Model::remaining_offset(int level, double scale) const {
   return row[std::size_t(std::clamp(exponent, 0, int(row.size()) - 1))];
 }
 
+bool Model::drops_faces_later(int level) const {
+  while (level < levels() && !step(level).drops_faces()) ++level;
+  return level < levels();
+}
+
 bool Model::is_two_refinements_in(int level) const {
   return level >= 2 && step(level - 1).refines() && step(level - 2).refines() &&
          (level == 2 || !step(level - 3).refines());

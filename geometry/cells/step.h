@@ -87,6 +87,8 @@ class Step {
   // Whether vertices are moved off the scheme's smooth position (so that no limit is known).
   virtual bool displaces() const { return false; }
   virtual bool refines() const { return false; }
+  // Whether owned faces may leave the cell, to stand in its halo alone, so that nothing is shown of a mesh before it.
+  virtual bool drops_faces() const { return false; }
   // The scheme by which it refines. After a last step that says so and does not displace, the final vertices are moved
   // to the limit surface.
   virtual std::optional<RefineOptions> refinement() const { return {}; }

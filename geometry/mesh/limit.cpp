@@ -18,7 +18,7 @@ using Rule = RefinePlan::Rule;
 class LimitPlanBuilder {
  public:
   LimitPlanBuilder(const Mesh& mesh, std::uint32_t owned_faces, const RefineOptions& options)
-      : mesh_(mesh), adjacency_(mesh), sharpness_(mesh, adjacency_, options.boundary) {
+      : mesh_(mesh), adjacency_(mesh), sharpness_(mesh, adjacency_, options) {
     plan_.scheme = options.scheme;
     std::vector<bool> seen(mesh.vertex_count(), false);
     for (std::uint32_t v : std::span(mesh.corner_vertices).first(mesh.face_starts[owned_faces])) {
@@ -350,8 +350,7 @@ void set_limit_plan_capacity(std::size_t bytes) { plan_table().set_capacity(byte
 LimitSurface limit_surface(const Mesh& mesh, const LimitPlan& plan) { return LimitMasks(mesh, plan).take(); }
 
 LimitSurface limit_surface(const Mesh& mesh, std::uint32_t owned_faces, const RefineOptions& options) {
-  const std::uint64_t option_bits = std::uint64_t(options.scheme) << 4 | std::uint64_t(options.boundary);
-  const auto plan = plan_table().get(shape_name(mesh, owned_faces, option_bits),
+  const auto plan = plan_table().get(shape_name(mesh, owned_faces, options.bits()),
                                      [&] { return make_limit_plan(mesh, owned_faces, options); });
   return limit_surface(mesh, *plan);
 }

@@ -36,10 +36,12 @@ class ChildNumbers {
   std::uint32_t faces_, edges_, count_;
 };
 
-// One refined face: its corners (ChildNumbers), and for each the input edge whose half its outgoing edge is (or none).
+// One refined face: its corners (ChildNumbers), and for each the input edge whose half its outgoing edge is (or none);
+// all these halves end at the input vertex `vertex`.
 struct Child {
   std::uint32_t parent;
   std::uint8_t index;
+  std::uint32_t vertex;
   std::uint32_t corners[4];
   std::uint32_t edges[4];
 };
@@ -51,7 +53,7 @@ class PlanBuilder {
         options_(options),
         adjacency_(mesh),
         number_(mesh, adjacency_, options.scheme),
-        sharpness_(mesh, adjacency_, options.boundary) {
+        sharpness_(mesh, adjacency_, options) {
     find_children(owned, rings_after);
     keep_faces(rings_after);
     add_normal_faces();
@@ -84,7 +86,7 @@ class PlanBuilder {
       const std::uint32_t ring[4] = {number_.of_vertex(mesh_.corner_vertices[start + i]), number_.of_edge(next),
                                      number_.of_face(f), number_.of_edge(previous)};
       const std::uint32_t edges[4] = {next, Plan::none, Plan::none, previous};
-      Child child{f, std::uint8_t(i), {}, {}};
+      Child child{f, std::uint8_t(i), mesh_.corner_vertices[start + i], {}, {}};
       const std::uint32_t turn = n == 4 ? i : 0;
       for (std::uint32_t k = 0; k < 4; ++k) {
         child.corners[(k + turn) % 4] = ring[k];
@@ -98,16 +100,17 @@ class PlanBuilder {
     CHECK(mesh_.corner_count(f) == 3, "Loop subdivision needs triangles; face {} has {} corners", f,
           mesh_.corner_count(f));
     const std::uint32_t start = mesh_.face_starts[f];
+    const auto c = mesh_.corners(f);
     std::uint32_t v[3], e[3];
     for (std::uint32_t i = 0; i < 3; ++i) {
-      v[i] = number_.of_vertex(mesh_.corner_vertices[start + i]);
+      v[i] = number_.of_vertex(c[i]);
       e[i] = adjacency_.edge_of_corner(start + i);
     }
     const std::uint32_t m[3] = {number_.of_edge(e[0]), number_.of_edge(e[1]), number_.of_edge(e[2])};
-    children_.push_back({f, 0, {v[0], m[0], m[2], 0}, {e[0], Plan::none, e[2], 0}});
-    children_.push_back({f, 1, {m[0], v[1], m[1], 0}, {e[0], e[1], Plan::none, 0}});
-    children_.push_back({f, 2, {m[2], m[1], v[2], 0}, {Plan::none, e[1], e[2], 0}});
-    children_.push_back({f, 3, {m[0], m[1], m[2], 0}, {Plan::none, Plan::none, Plan::none, 0}});
+    children_.push_back({f, 0, c[0], {v[0], m[0], m[2], 0}, {e[0], Plan::none, e[2], 0}});
+    children_.push_back({f, 1, c[1], {m[0], v[1], m[1], 0}, {e[0], e[1], Plan::none, 0}});
+    children_.push_back({f, 2, c[2], {m[2], m[1], v[2], 0}, {Plan::none, e[1], e[2], 0}});
+    children_.push_back({f, 3, Plan::none, {m[0], m[1], m[2], 0}, {Plan::none, Plan::none, Plan::none, 0}});
   }
 
   // Rings of the refined faces, by breadth-first search as face_rings() does.
@@ -146,8 +149,8 @@ class PlanBuilder {
         for (std::uint32_t k = 0; k < corner_count(); ++k) {
           plan_.corner_vertices.push_back(computed(child.corners[k]));
           if (sharp)
-            plan_.corner_sharpness.push_back(child.edges[k] == Plan::none ? 0
-                                                                          : sharpness_.refined_edge(child.edges[k]));
+            plan_.corner_sharpness.push_back(
+                child.edges[k] == Plan::none ? 0 : sharpness_.refined_edge(child.edges[k], child.vertex));
         }
         plan_.face_starts.push_back(std::uint32_t(plan_.corner_vertices.size()));
         plan_.face_parents.push_back(child.parent);
@@ -197,7 +200,7 @@ class PlanBuilder {
     Plan::EdgeVertex vertex{{edge.vertices[0], edge.vertices[1]},
                             {edge.faces[0], edge.faces[1]},
                             {Plan::none, Plan::none},
-                            std::min(1.0f, sharpness_.edge(e)),
+                            sharpness_.edge_weight(e),
                             out};
     if (options_.scheme == Scheme::Loop && edge.faces[1] != Plan::none)
       for (int i = 0; i < 2; ++i) vertex.opposite[i] = third_corner(edge.faces[i], edge);
@@ -280,9 +283,7 @@ void set_refine_plan_capacity(std::size_t bytes) { plan_table().set_capacity(byt
 
 std::shared_ptr<const RefinePlan> shared_refine_plan(const Mesh& mesh, std::uint32_t owned_faces, int rings_after,
                                                      const RefineOptions& options) {
-  const std::uint64_t option_bits =
-      std::uint64_t(rings_after) << 8 | std::uint64_t(options.scheme) << 4 | std::uint64_t(options.boundary);
-  return plan_table().get(shape_name(mesh, owned_faces, option_bits),
+  return plan_table().get(shape_name(mesh, owned_faces, std::uint64_t(rings_after) << 8 | options.bits()),
                           [&] { return make_refine_plan(mesh, owned_faces, rings_after, options); });
 }
 

@@ -2,10 +2,10 @@
 // and creases alone. Cells of one shape share one plan (RefinePlans), so applying a level is arithmetic on arrays.
 //
 // Schemes: Catmull-Clark (faces of any size become quads) and Loop (triangles). Creases after DeRose et al. 1998, with
-// OpenSubdiv's rules (Sdc::Crease): sharpness falls by one a level, 10 stays, fractions blend.
+// OpenSubdiv's rules (Sdc::Crease): sharpness falls from level to level, 10 stays, fractions blend.
 //
-// A plan covers the owned faces and `rings_after` rings of halo of the refined mesh; it needs ceil(rings_after / 2) + 1
-// rings in the input. Immutable; any thread may apply it.
+// A plan covers the owned faces and `rings_after` rings of halo of the refined mesh; it needs refine_halo_rings() in
+// the input. Immutable; any thread may apply it.
 #pragma once
 
 #include "geometry/mesh/mesh.h"
@@ -22,10 +22,19 @@ enum class Scheme : std::uint8_t { CatmullClark, Loop };
 // them.
 enum class BoundaryRule : std::uint8_t { EdgeAndCorner, EdgeOnly };
 
+// How the sharpness of a crease falls from level to level: Uniform by one; Chaikin, after DeRose et al. 1998, by one
+// from 3/4 of its own and 1/4 of the mean of the other semi-sharp edges at the vertex, so that sharpness varies along a
+// crease.
+enum class Creasing : std::uint8_t { Uniform, Chaikin };
+
 struct RefineOptions {
   Scheme scheme = Scheme::CatmullClark;
   BoundaryRule boundary = BoundaryRule::EdgeAndCorner;
+  Creasing creasing = Creasing::Uniform;
   bool operator==(const RefineOptions&) const = default;
+  std::uint64_t bits() const {  // below 256, other ones for other options
+    return std::uint64_t(creasing) << 5 | std::uint64_t(scheme) << 4 | std::uint64_t(boundary);
+  }
 };
 
 // What a refined vertex comes from. The paper's kinds of vertex.
@@ -46,7 +55,7 @@ struct RefinePlan {
 
   // All computed vertices: the kept ones first, then those that only the normals of kept ones need.
   std::uint32_t computed_vertices = 0;
-  std::vector<std::uint32_t> normal_faces;  // their faces, as runs of corners_per_face computed vertices
+  std::vector<std::uint32_t> normal_faces;        // their faces, as runs of corners_per_face computed vertices
   std::vector<std::uint16_t> normal_face_counts;  // that meet in each computed vertex
   std::uint32_t corners_per_face = 4;
 
@@ -76,11 +85,14 @@ struct RefinePlan {
   std::size_t bytes() const;
 };
 
-// Rings of halo a refinement needs in its input.
-constexpr int refine_halo_rings(int rings_after) { return (rings_after + 1) / 2 + 1; }
+// Rings of halo a refinement needs in its input. The normals of the last kept vertices need edge points of the
+// outermost of these faces; by Chaikin's rule those depend on what meets at the far ends of their edges.
+constexpr int refine_halo_rings(int rings_after, Creasing creasing = Creasing::Uniform) {
+  return creasing == Creasing::Chaikin ? rings_after / 2 + 2 : (rings_after + 1) / 2 + 1;
+}
 
 // Builds the plan for a mesh whose first owned_faces are owned (the rest halo, complete up to
-// refine_halo_rings(rings_after)). About 0.5 us a face.
+// refine_halo_rings()). About 0.5 us a face.
 std::shared_ptr<const RefinePlan> make_refine_plan(const Mesh& mesh, std::uint32_t owned_faces, int rings_after,
                                                    const RefineOptions& options);
 

@@ -10,8 +10,9 @@
 
 namespace meristem {
 
-// One SubdivideStep a level. `first_level` counts the model's subdivisions so far, from 1; step_key is the model's seed
-// hashed with the place of the step. In describe mode only the parameters are declared.
+// One SubdivideStep a level, before the first a DropBorderStep if borders are not to be shown. `first_level` counts the
+// model's subdivisions so far, from 1; step_key is the model's seed hashed with the place of the step. In describe mode
+// only the parameters are declared.
 std::vector<std::unique_ptr<Step>> read_subdivide(Params& params, int first_level, Key step_key);
 
 }  // namespace meristem

@@ -26,7 +26,7 @@ class SubdivideStep final : public Step {
   explicit SubdivideStep(Settings settings) : settings_(std::move(settings)) {}
 
   std::string name() const override;
-  int halo_rings(int rings_after) const override { return refine_halo_rings(rings_after); }
+  int halo_rings(int rings_after) const override { return refine_halo_rings(rings_after, settings_.refine.creasing); }
   std::uint32_t max_children(std::uint32_t corners) const override;
   // Throws std::runtime_error when the placement gives a position that is not finite.
   void apply(const CellMesh& in, int rings_after, CellMesh& out) const override;

@@ -106,8 +106,10 @@ class ModelBuilder {
       Params params(step, "step \"subdivide\"", diagnostics_);
       auto made = read_subdivide(params, subdivisions_ + 1, hash_keys(seed_, 1, step_count_++));
       params.finish();
-      subdivisions_ += int(made.size());
-      for (auto& s : made) steps_.push_back(std::move(s));
+      for (auto& s : made) {
+        subdivisions_ += s->refines();
+        steps_.push_back(std::move(s));
+      }
     } else if (is_object && step.find("grow")) {
       for (auto& s : make_grow_steps(step, grow_context_, diagnostics_)) steps_.push_back(std::move(s));
     } else {

@@ -52,6 +52,7 @@ TEST(Limit, AgreesWithOpenSubdiv) {
   for (const Case& c : cases())
     for (int level = 1; level <= 3; ++level) {
       SCOPED_TRACE(fmt::format("{} at level {}", c.name, level));
+      if (opensubdiv_extrapolates(*opensubdiv_refiner(c.mesh, level, c.options))) continue;
       const LimitSurface limit = limit_of(refined(c.mesh, level, c.options), c.options);
       const std::vector<LimitTruth> truths = opensubdiv_limits(c.mesh, level, c.options);
       ASSERT_EQ(limit.positions.size(), truths.size());

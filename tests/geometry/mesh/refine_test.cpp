@@ -27,14 +27,20 @@ void expect_same_points(std::vector<Vec3d> a, std::vector<Vec3d> b, double toler
 }
 
 TEST(Refine, AgreesWithOpenSubdiv) {
+  int left_out = 0;
   for (const Case& c : cases())
     for (int level = 1; level <= 4; ++level) {
       SCOPED_TRACE(fmt::format("{} at level {}", c.name, level));
+      const auto refiner = opensubdiv_refiner(c.mesh, level, c.options);
+      if (opensubdiv_extrapolates(*refiner)) {
+        ++left_out;
+        continue;
+      }
       std::vector<Vec3d> truth;
-      for (const Point& point : opensubdiv_points(c.mesh, *opensubdiv_refiner(c.mesh, level, c.options)))
-        truth.push_back(point.p);
+      for (const Point& point : opensubdiv_points(c.mesh, *refiner)) truth.push_back(point.p);
       expect_same_points(refined(c.mesh, level, c.options).positions, truth, 1e-7);
     }
+  EXPECT_LT(left_out, 16);
 }
 
 TEST(Refine, KeepsClosedMeshesClosedAndManifold) {
