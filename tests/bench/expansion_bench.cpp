@@ -3,6 +3,7 @@
 // hierarchies included; on one thread, by processor time. And what it leaves behind: bytes a triangle.
 //
 //   bench_expansion [RUNS] [FACES OF A LEAF] [SIDE OF THE BASE MESH]
+#include "geometry/base/huge_pages.h"
 #include "geometry/base/parallel.h"
 #include "tests/bench/process_memory.h"
 #include "tests/bench/terrain.h"
@@ -15,6 +16,7 @@
 using namespace meristem;
 
 int main(int argc, char** argv) {
+  restart_with_huge_pages(argv);
   const int runs = argc > 1 ? std::max(1, std::atoi(argv[1])) : 5;
   const auto side = std::uint32_t(argc > 3 ? std::atoi(argv[3]) : 32);
   constexpr int levels = 5;

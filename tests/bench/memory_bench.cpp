@@ -2,6 +2,7 @@
 // been evicted; prints the most that the resident set exceeded that of the empty scene, against the budget.
 //
 //   prlimit --as=2147483648 bench_memory [EVICTIONS] [BUDGET_MIB] [THREADS] [LEAF_FACES]
+#include "geometry/base/huge_pages.h"
 #include "geometry/base/parallel.h"
 #include "tests/bench/process_memory.h"
 #include "tests/bench/terrain.h"
@@ -30,6 +31,7 @@ double argument(int argc, char** argv, int i, double fallback) { return argc > i
 }  // namespace
 
 int main(int argc, char** argv) {
+  restart_with_huge_pages(argv);
   const auto evictions = std::uint64_t(argument(argc, argv, 1, 1e5));
   const double budget_mib = argument(argc, argv, 2, 64);
   const int threads = int(argument(argc, argv, 3, 2));

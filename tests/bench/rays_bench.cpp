@@ -2,6 +2,7 @@
 // resident, against the same faces in one Embree scene of grids; the two in turns, on one thread, by processor time.
 //
 //   bench_rays [ROUNDS] [FACES OF A LEAF]
+#include "geometry/base/huge_pages.h"
 #include "geometry/base/parallel.h"
 #include "tests/bench/terrain.h"
 
@@ -36,6 +37,7 @@ double speed(const Intersector& world, Key round, int& hits) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  restart_with_huge_pages(argv);
   const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 7;
   flush_denormals();
   CellSettings settings;

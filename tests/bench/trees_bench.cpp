@@ -1,5 +1,6 @@
 // What it takes to generate whole trees: every stem and leaf as a mesh, on one thread, without subdivision; medians
 // over several individuals of wall and processor time. An argument names one species.
+#include "geometry/base/huge_pages.h"
 #include "geometry/base/params.h"
 #include "procedural/components.h"
 #include "procedural/plants/weber_penn_step.h"
@@ -62,6 +63,7 @@ Tree generate(const char* species, Key seed) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  restart_with_huge_pages(argv);
   for (const PlantSpecies& species : plant_species()) {
     if (argc > 1 && std::string(argv[1]) != species.name) continue;
     std::vector<Tree> trees;

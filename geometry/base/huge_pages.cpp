@@ -1,0 +1,36 @@
+#include "geometry/base/huge_pages.h"
+
+#include <cstdlib>
+#include <fstream>
+
+#include <limits.h>
+#include <unistd.h>
+
+namespace meristem {
+
+namespace {
+
+constexpr const char* variable = "GLIBC_TUNABLES";
+constexpr std::string_view tunable = "glibc.malloc.hugetlb";
+
+}  // namespace
+
+std::optional<std::string> tunables_for_huge_pages(std::string_view mode, const char* tunables) {
+  std::string result = tunables ? tunables : "";
+  if (mode.find("[madvise]") == mode.npos || result.find(tunable) != result.npos) return {};
+  if (!result.empty()) result += ':';
+  return result.append(tunable).append("=1");
+}
+
+void restart_with_huge_pages(char** argv) {
+  std::string mode;
+  std::getline(std::ifstream("/sys/kernel/mm/transparent_hugepage/enabled"), mode);
+  const auto tunables = tunables_for_huge_pages(mode, std::getenv(variable));
+  if (!tunables) return;
+  char program[PATH_MAX] = {};  // not the link itself: it would become the name of the process
+  if (::readlink("/proc/self/exe", program, sizeof(program) - 1) < 0) return;
+  ::setenv(variable, tunables->c_str(), 1);
+  ::execv(program, argv);
+}
+
+}  // namespace meristem
