@@ -8,6 +8,7 @@
 
 #include "renderer/scene/interfaces.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace meristem {
@@ -36,6 +37,9 @@ class FilterSampler {
   float mean_weight_ = 1;
   std::vector<float> values_;      // of the filter at the cells' centres
   std::vector<float> cumulative_;  // of |value|, normalised: [0] is 0, the last is 1
+  // As many equal steps of the random number as there are cells: in which cell each begins, so that a look-up goes on
+  // from there instead of bisecting.
+  std::vector<std::uint16_t> first_cells_;
 };
 
 }  // namespace meristem

@@ -167,13 +167,17 @@ Spectrum Bsdf::layers_reflected(Vec3f wo, Vec3f wi) const {
 
 // The BRDF, both directions on the side of wo.
 Spectrum Bsdf::reflected(Vec3f wo, Vec3f wi) const {
-  const float base = 1 - metalness, cos_h = dot(wo, normalize(wo + wi)), over = over_specular(wi.z);
-  Spectrum mirror = fresnel(cos_h);
-  if (glass > 0) {
-    const float gain = glass_gain(wo.z), opaque = ggx::fresnel_dielectric(cos_h, ggx::eta_of(f0));
-    mirror += dielectric_tint * (base * glass * (glass_fresnel(cos_h) * gain - opaque));
+  const float base = 1 - metalness, over = over_specular(wi.z);
+  Spectrum f;
+  if (mirrors()) {
+    const float cos_h = dot(wo, normalize(wo + wi));
+    Spectrum mirror = fresnel(cos_h);
+    if (glass > 0) {
+      const float gain = glass_gain(wo.z), opaque = ggx::fresnel_dielectric(cos_h, ggx::eta_of(f0));
+      mirror += dielectric_tint * (base * glass * (glass_fresnel(cos_h) * gain - opaque));
+    }
+    f = mirror * (over * ggx::reflectance(wo, wi, alpha));
   }
-  Spectrum f = mirror * (over * ggx::reflectance(wo, wi, alpha));
   if (base > 0 && glass < 1) f += diffuse_reflectance(wo, wi) * (base * (1 - glass) * over_diffuse(wi.z));
   if (metalness > 0) f += metal_interreflection(wo.z, wi.z) * (metalness * over);
   if (!layered()) return f;

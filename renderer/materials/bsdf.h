@@ -94,6 +94,7 @@ struct Bsdf {
   float fuzz_albedo(float c) const;
   float passed_by_layers(float c) const { return (1 - coat_albedo(c)) * (1 - fuzz_albedo(c)); }
   bool layered() const { return coat > 0 || fuzz > 0; }
+  bool mirrors() const { return f0 > 0 || metalness > 0 || glass > 0; }  // below the layers
   float over_specular(float cos_i) const;
   float over_diffuse(float cos_i) const;
   Spectrum coat_color(float cos_o, float cos_i) const;

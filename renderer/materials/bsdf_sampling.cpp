@@ -44,7 +44,8 @@ float Bsdf::local_pdf(Vec3f wo, Vec3f wi) const {
   }
   float mirror = s.specular;
   if (s.glass > 0) mirror += s.glass * glass_fresnel(dot(wo, normalize(wo + wi)));
-  float density = mirror * ggx::reflected_pdf(wo, wi, alpha) + (s.diffuse + s.fuzz) * wi.z / pi_f;
+  float density = (s.diffuse + s.fuzz) * wi.z / pi_f;
+  if (mirror > 0) density += mirror * ggx::reflected_pdf(wo, wi, alpha);
   if (s.coat > 0) density += s.coat * ggx::reflected_pdf(wo, wi, coat_alpha);
   return density;
 }

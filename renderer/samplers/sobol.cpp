@@ -47,7 +47,7 @@ class Sobol : public Sampler {
 
   void start(int pixel_x, int pixel_y, int sample_index, std::uint64_t seed) override {
     pixel_key_ = hash_keys(seed, Key(pixel_x), Key(pixel_y));
-    index_ = std::uint32_t(sample_index);
+    reversed_index_ = reverse_bits(std::uint32_t(sample_index));
     dimension_ = 0;
   }
 
@@ -68,14 +68,14 @@ class Sobol : public Sampler {
  private:
   Key next_key() { return hash_keys(pixel_key_, Key(dimension_++)); }
   std::uint32_t shuffled_index(Key key) const {
-    return reverse_bits(scramble_upwards(reverse_bits(index_), std::uint32_t(key)));
+    return reverse_bits(scramble_upwards(reversed_index_, std::uint32_t(key)));
   }
   static std::uint32_t scrambled(std::uint32_t x, Key seed) {
     return reverse_bits(scramble_upwards(x, std::uint32_t(seed)));
   }
 
   Key pixel_key_ = 0;
-  std::uint32_t index_ = 0;
+  std::uint32_t reversed_index_ = 0;
   std::uint32_t dimension_ = 0;
 };
 
