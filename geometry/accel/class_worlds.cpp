@@ -91,8 +91,10 @@ RayRoute ClassWorlds::route(const Ray& ray) const {
 
 std::vector<const ModelRoot*> ClassWorlds::roots() const {
   std::vector<const ModelRoot*> all;
-  for (const World& world : worlds_)
-    for (const Instance& object : world.objects->list()) all.push_back(&object.root());
+  for (const World& world : worlds_) {
+    const std::vector<const ModelRoot*> roots = world.objects->roots();
+    all.insert(all.end(), roots.begin(), roots.end());
+  }
   return all;
 }
 

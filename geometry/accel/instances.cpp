@@ -61,43 +61,67 @@ void occluded_instance(const RTCOccludedFunctionNArguments* args) {
 
 }  // namespace
 
-Instance::Instance(const ModelRoot& root, const Bounds3f& root_bounds, const Affine3d& to_parent, Key path, int object)
-    : root_(&root),
-      to_parent_(to_float(to_parent)),
-      from_parent_(to_float(to_parent.inverse())),
-      bounds_(root_bounds),
+Instance::Maps Instance::maps_of(const Affine3d& to_parent) {
+  return {to_float(to_parent), to_float(to_parent.inverse())};
+}
+
+Instance::Instance(std::vector<const ModelRoot*> roots, const Placement& placement, Key path, int object)
+    : root_(roots[0]),
+      maps_(maps_of(placement.to_parent)),
       path_(path),
       object_(object),
-      is_identity_(to_parent.is_identity()) {
-  if (!is_identity_) bounds_ = round_outwards(to_parent.bounds(Bounds3d{Vec3d(bounds_.lower), Vec3d(bounds_.upper)}));
+      is_identity_(placement.to_parent.is_identity() && !placement.motion) {
+  for (const ModelRoot* root : roots) bounds_.extend(root->bounds());
+  if (!is_identity_) bounds_ = bounds_in_parent(placement, bounds_);
+  if (roots.size() > 1 || placement.motion)
+    change_ = std::make_unique<const Change>(Change{std::move(roots), placement.motion});
+}
+
+void Instance::add_roots(std::vector<const ModelRoot*>& roots) const {
+  if (change_)
+    roots.insert(roots.end(), change_->roots.begin(), change_->roots.end());
+  else
+    roots.push_back(root_);
+}
+
+const ModelRoot& Instance::root_at(float time) const {
+  if (!change_) return *root_;
+  const auto moment = std::size_t(std::max(time, 0.f) * float(change_->roots.size()));
+  return *change_->roots[std::min(moment, change_->roots.size() - 1)];
 }
 
 template <class Trace>
 void Instance::with_local_ray(RayContext& context, RTCRayHit& ray, const Trace& trace) const {
-  const Inside inside(context, is_identity_ ? nullptr : &to_parent_, path_, object_);
-  if (is_identity_) return trace(ray);
+  const ModelRoot& root = root_at(ray.ray.time);
+  std::optional<Maps> moved;
+  if (moves()) moved = maps_of(change_->motion->at(ray.ray.time));
+  const Maps& maps = moved ? *moved : maps_;
+  const Inside inside(context, is_identity_ ? nullptr : &maps.to_parent, path_, object_);
+  if (is_identity_) return trace(root, ray);
   RTCRayHit local = ray;
-  transform(from_parent_, local.ray);
-  trace(local);
+  transform(maps.from_parent, local.ray);
+  trace(root, local);
   ray.ray.tfar = local.ray.tfar;
   ray.hit = local.hit;
 }
 
 void Instance::intersect(RayContext& context, RTCRayHit& ray) const {
-  with_local_ray(context, ray, [&](RTCRayHit& local) { root_->intersect(context, local); });
+  with_local_ray(context, ray, [&](const ModelRoot& root, RTCRayHit& local) { root.intersect(context, local); });
 }
 
 bool Instance::follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const {
   bool arrives = false;
-  with_local_ray(context, ray, [&](RTCRayHit& local) { arrives = root_->follow(way, context, local); });
+  with_local_ray(context, ray,
+                 [&](const ModelRoot& root, RTCRayHit& local) { arrives = root.follow(way, context, local); });
   return arrives;
 }
 
 void Instance::occluded(RayContext& context, RTCRay& ray) const {
-  if (is_identity_) return root_->occluded(context, ray);
+  const ModelRoot& root = root_at(ray.time);
+  if (is_identity_) return root.occluded(context, ray);
   RTCRay local = ray;
-  transform(from_parent_, local);
-  root_->occluded(context, local);
+  transform(moves() ? maps_of(change_->motion->at(ray.time)).from_parent : maps_.from_parent, local);
+  root.occluded(context, local);
   ray.tfar = local.tfar;
 }
 
@@ -105,7 +129,7 @@ Instances::Instances(std::vector<Instance> instances, std::vector<std::unique_pt
     : instances_(std::move(instances)), owned_(std::move(owned)) {
   bytes_ = sizeof(*this) + instances_.capacity() * sizeof(Instance);
   for (const auto& root : owned_) bytes_ += root->bytes() + sizeof(root);
-  for (const Instance& i : instances_) bounds_.extend(i.bounds());
+  for (const Instance& i : instances_) bounds_.extend(i.bounds()), bytes_ += i.own_bytes();
   if (instances_.size() < 2) return;
   scene_.reset(rtcNewScene(embree_device()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
@@ -119,6 +143,12 @@ Instances::Instances(std::vector<Instance> instances, std::vector<std::unique_pt
   rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
   bytes_ += commit_scene(scene_.get());
+}
+
+std::vector<const ModelRoot*> Instances::roots() const {
+  std::vector<const ModelRoot*> result;
+  for (const Instance& i : instances_) i.add_roots(result);
+  return result;
 }
 
 void Instances::intersect(RayContext& context, RTCRayHit& ray) const {

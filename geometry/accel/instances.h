@@ -4,7 +4,7 @@
 #pragma once
 
 #include "geometry/accel/model_root.h"
-#include "geometry/base/transform.h"
+#include "geometry/base/motion.h"
 
 #include <memory>
 #include <vector>
@@ -13,27 +13,44 @@ namespace meristem {
 
 class Instance {
  public:
-  // The root must outlive it. `path` tells apart what is reached through different instances; `object`: its index in
-  // the world, or -1 within an object.
-  Instance(const ModelRoot& root, const Bounds3f& root_bounds, const Affine3d& to_parent, Key path, int object = -1);
+  // `roots`: one, or one for each of equally long moments while the shutter is open; they must outlive it. Where, and
+  // how it moves, `placement` says. `path` tells apart what is reached through different instances; `object`: its index
+  // in the world, or -1 within an object.
+  Instance(std::vector<const ModelRoot*> roots, const Placement& placement, Key path, int object = -1);
 
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
   bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const;  // as ModelRoot::follow()
   const Bounds3f& bounds() const { return bounds_; }                              // in the parent's frame
-  const ModelRoot& root() const { return *root_; }
+  void add_roots(std::vector<const ModelRoot*>& roots) const;                     // of all moments
   bool is_identity() const { return is_identity_; }
+  std::size_t own_bytes() const {
+    return change_ ? sizeof(Change) + change_->roots.capacity() * sizeof(ModelRoot*) : 0;
+  }
 
  private:
+  // Of one that changes while the shutter is open.
+  struct Change {
+    std::vector<const ModelRoot*> roots;
+    std::shared_ptr<const Motion> motion;  // null: none
+  };
+  struct Maps {
+    Affine3f to_parent, from_parent;
+  };
+  static Maps maps_of(const Affine3d& to_parent);
   template <class Trace>
   void with_local_ray(RayContext& context, RTCRayHit& ray, const Trace& trace) const;
 
-  const ModelRoot* root_;
-  Affine3f to_parent_, from_parent_;
+  const ModelRoot& root_at(float time) const;
+  bool moves() const { return change_ && change_->motion; }
+
+  const ModelRoot* root_;  // of the first moment
+  Maps maps_;              // of one that does not move
   Bounds3f bounds_;
   Key path_;
   int object_;
-  bool is_identity_;
+  bool is_identity_;                      // at all times
+  std::unique_ptr<const Change> change_;  // null: it stays as it is
 };
 
 class Instances {
@@ -47,6 +64,7 @@ class Instances {
   bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const;
   const Bounds3f& bounds() const { return bounds_; }
   const std::vector<Instance>& list() const { return instances_; }
+  std::vector<const ModelRoot*> roots() const;  // of all, at all moments
   std::size_t bytes() const { return bytes_; }
 
  private:

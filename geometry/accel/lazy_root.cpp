@@ -208,7 +208,8 @@ class LazyRoot final : public ModelRoot {
   // What tells its cells from those of other roots of the model.
   Key identity() const {
     const double footprint = source_.footprint ? source_.footprint->at({}) : 0;
-    return hash_keys(source_.individual, std::bit_cast<Key>(footprint));
+    const Key of_first = hash_keys(source_.individual, std::bit_cast<Key>(footprint));
+    return source_.moment == 0 ? of_first : hash_keys(of_first, source_.moment);
   }
 
   // Never throws: a cell that cannot be expanded becomes its box, once, counted and reported.
@@ -355,7 +356,7 @@ class ChainMeasure {
   std::size_t below(CellEntry& cell) {
     std::size_t most = 0;
     if (cell.instances())
-      for (const Instance& instance : cell.instances()->list()) most = std::max(most, largest_below(instance.root()));
+      for (const ModelRoot* root : cell.instances()->roots()) most = std::max(most, largest_below(*root));
     if (cell.inner())
       if (CellEntry* child = cell.root().child(cell, largest_child(cell))) most = below(*child);
     return cell.bytes + most;
@@ -405,7 +406,7 @@ void expand_everything(std::vector<const ModelRoot*> roots, int threads) {
       for (std::size_t i = 0; cell->inner() && i < cell->inner()->child_count(); ++i)
         generation.push_back([cell, i] { return cell->root().child(*cell, i); });
       if (cell->instances())
-        for (const Instance& instance : cell->instances()->list()) add_root(&instance.root());
+        for (const ModelRoot* root : cell->instances()->roots()) add_root(root);
     }
   }
 }

@@ -91,6 +91,7 @@ struct RootSource {
   Key individual = 0;
   CacheEntry* parent = nullptr;  // the entry that owns the root, if one does
   Bounds3f bounds;
+  Key moment = 0;  // of the shutter, by number, if the part is of one
 };
 
 // Cells behind a cache; what stands in them is placed by `roots`. All must outlive the root.

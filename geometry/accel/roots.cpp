@@ -36,29 +36,38 @@ const ModelRoot& Roots::shared(RootSource source) {
   return *root;
 }
 
+const ModelRoot& Roots::root_of(const Placement& shown, const std::shared_ptr<const Footprint>& footprint,
+                                Key individual, Key moment, Owner& owner) {
+  RootSource source{shown.part,
+                    placed_footprint(footprint, shown),
+                    placed_individual(individual, shown),
+                    nullptr,
+                    placed_bounds(shown),
+                    moment};
+  if (can_share(shown, source.footprint.get())) return shared(std::move(source));
+  find_bounds(source);
+  source.parent = owner.parent;
+  owner.roots.push_back(make(std::move(source)));
+  return *owner.roots.back();
+}
+
 std::unique_ptr<Instances> Roots::place(const std::vector<Placement>& placements,
                                         const std::shared_ptr<const Footprint>& footprint, CacheEntry* parent,
                                         Key individual, bool are_objects) {
   std::vector<Instance> instances;
-  std::vector<std::unique_ptr<ModelRoot>> owned;
+  Owner owner{parent, {}};
   instances.reserve(placements.size());
   for (const Placement& placed : placements) {
-    const Placement p = shown_placement(placed, footprint);
-    RootSource source{p.part, placed_footprint(footprint, p), placed_individual(individual, p), nullptr,
-                      placed_bounds(p)};
-    const ModelRoot* root = nullptr;
-    if (can_share(p, source.footprint.get())) {
-      root = &shared(std::move(source));
-    } else {
-      find_bounds(source);
-      source.parent = parent;
-      owned.push_back(make(std::move(source)));
-      root = owned.back().get();
+    Placement p = shown_placement(placed, footprint);
+    std::vector<const ModelRoot*> roots;
+    for (const auto& part : p.moments ? *p.moments : PartMoments{p.part}) {
+      p.part = part;
+      roots.push_back(&root_of(p, footprint, individual, roots.size(), owner));
     }
     const auto index = instances.size();
-    instances.emplace_back(*root, root->bounds(), p.to_parent, Key(index) + 1, are_objects ? int(index) : -1);
+    instances.emplace_back(std::move(roots), p, Key(index) + 1, are_objects ? int(index) : -1);
   }
-  return std::make_unique<Instances>(std::move(instances), std::move(owned));
+  return std::make_unique<Instances>(std::move(instances), std::move(owner.roots));
 }
 
 }  // namespace meristem

@@ -26,7 +26,14 @@ class Roots {
   std::size_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
 
  private:
+  // What Instances own beside those that are shared.
+  struct Owner {
+    CacheEntry* parent;
+    std::vector<std::unique_ptr<ModelRoot>> roots;
+  };
   std::unique_ptr<ModelRoot> make(RootSource source);
+  const ModelRoot& root_of(const Placement& shown, const std::shared_ptr<const Footprint>& footprint, Key individual,
+                           Key moment, Owner& owner);
   const ModelRoot& shared(RootSource source);
 
   const ExpandMode mode_;

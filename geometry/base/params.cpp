@@ -87,6 +87,12 @@ const Value* Params::take(ParamInfo info) {
   return member;
 }
 
+const Value* Params::take_timed(ParamInfo info, int components, Value& storage) {
+  info.takes_time = allows_time_;
+  const Value* const v = take(std::move(info));
+  return v && allows_time_ ? now(*v, components, storage) : v;
+}
+
 void Params::mismatch(const char* name, const Value& value, std::string_view expected) {
   diagnostics_->error(value.location,
                       fmt::format("{} of {}: expected {}, found {}", quoted(name), what_, expected, found(value)));
@@ -110,11 +116,13 @@ bool Params::accept_vector(const char* name, const Value& value, const Range& ra
 }
 
 double Params::real(const char* name, double fallback, Range range, const char* doc) {
-  const Value* const v = take({.name = name,
-                               .type = ParamInfo::Type::Real,
-                               .range = range,
-                               .default_text = fmt::format("{}", fallback),
-                               .doc = doc});
+  Value storage;
+  const Value* const v = take_timed({.name = name,
+                                     .type = ParamInfo::Type::Real,
+                                     .range = range,
+                                     .default_text = fmt::format("{}", fallback),
+                                     .doc = doc},
+                                    1, storage);
   return v && accept(name, *v, range) ? v->number : fallback;
 }
 
@@ -183,17 +191,21 @@ Vec3d Params::read_vector(const char* name, const Value* value, Vec3d fallback, 
 }
 
 Vec3d Params::vector(const char* name, Vec3d fallback, Range range, const char* doc) {
-  const Value* const v = take(
-      {.name = name, .type = ParamInfo::Type::Vector, .range = range, .default_text = written(fallback), .doc = doc});
+  Value storage;
+  const Value* const v = take_timed(
+      {.name = name, .type = ParamInfo::Type::Vector, .range = range, .default_text = written(fallback), .doc = doc}, 3,
+      storage);
   return read_vector(name, v, fallback, range);
 }
 
 Vec3d Params::color(const char* name, Vec3d fallback, const char* doc) {
-  const Value* const v = take({.name = name,
-                               .type = ParamInfo::Type::Color,
-                               .range = not_negative,
-                               .default_text = written_color(fallback),
-                               .doc = doc});
+  Value storage;
+  const Value* const v = take_timed({.name = name,
+                                     .type = ParamInfo::Type::Color,
+                                     .range = not_negative,
+                                     .default_text = written_color(fallback),
+                                     .doc = doc},
+                                    3, storage);
   if (!v) return fallback;
   if (v->kind == Value::Kind::Number) return accept(name, *v, not_negative) ? Vec3d(v->number) : fallback;
   if (is_vector(*v)) return read_vector(name, v, fallback, not_negative);
@@ -202,13 +214,16 @@ Vec3d Params::color(const char* name, Vec3d fallback, const char* doc) {
 }
 
 double Params::required_real(const char* name, Range range, const char* doc) {
-  const Value* const v =
-      take({.name = name, .type = ParamInfo::Type::Real, .range = range, .required = true, .doc = doc});
+  Value storage;
+  const Value* const v = take_timed(
+      {.name = name, .type = ParamInfo::Type::Real, .range = range, .required = true, .doc = doc}, 1, storage);
   return v && accept(name, *v, range) ? v->number : std::clamp(1.0, range.min, range.max);
 }
 
 Vec3d Params::required_vector(const char* name, const char* doc) {
-  const Value* const v = take({.name = name, .type = ParamInfo::Type::Vector, .required = true, .doc = doc});
+  Value storage;
+  const Value* const v =
+      take_timed({.name = name, .type = ParamInfo::Type::Vector, .required = true, .doc = doc}, 3, storage);
   return read_vector(name, v, {}, any_range);
 }
 

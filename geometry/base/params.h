@@ -59,6 +59,7 @@ struct ParamInfo {
   std::vector<std::string> choices{};  // of a Choice
   std::string component_kind{};        // of a Component: "light", "filter", ...
   std::string schema{};                // of a Raw: a JSON Schema fragment; may be empty (anything)
+  bool takes_time = false;             // a Real, Vector or Color may be written as an expression of `time`
   std::string doc{};
 };
 
@@ -75,6 +76,13 @@ class Params {
   Diagnostics& diagnostics() { return *diagnostics_; }
   bool has(const char* name) const;              // the user wrote it
   Location location_of(const char* name) const;  // of the member's value; the object's if it is not written
+
+  // From here on real(), vector(), color() and those that are required also take expressions of `time` as text, which
+  // are evaluated in the TimeScope (geometry/fields/time.h) in which they are read.
+  void allow_time() { allows_time_ = true; }
+  // `value` as it is now: `components` (1 or 3) numbers for a text, a number for each text in a list, all else as it
+  // is; in `storage` if that is another Value. Null, after an error, if an expression in it is wrong.
+  const Value* now(const Value& value, int components, Value& storage);
 
   double real(const char* name, double fallback, Range range, const char* doc);
   int integer(const char* name, int fallback, Range range, const char* doc);
@@ -108,6 +116,8 @@ class Params {
 
  private:
   const Value* take(ParamInfo info);  // records or looks up; marks the key as known
+  // The same for what may depend on time: as it is now.
+  const Value* take_timed(ParamInfo info, int components, Value& storage);
   // Each reports what does not fit; accept() says whether it did.
   void mismatch(const char* name, const Value& value, std::string_view expected);
   bool accept(const char* name, const Value& value, const Range& range);
@@ -120,6 +130,7 @@ class Params {
   Diagnostics* diagnostics_ = nullptr;
   std::vector<ParamInfo>* infos_ = nullptr;
   std::vector<std::string> known_;
+  bool allows_time_ = false;
 };
 
 }  // namespace meristem

@@ -28,14 +28,16 @@ struct ComponentInfo {
 template <class Interface>
 class Registry {
  public:
-  explicit Registry(std::string kind) : kind_(std::move(kind)) {}
+  // `takes_time`: numbers of the components may be written as expressions of `time`.
+  explicit Registry(std::string kind, bool takes_time = false) : kind_(std::move(kind)), takes_time_(takes_time) {}
 
   template <class T>
   void add(const char* name, const char* doc) {
     entries_.push_back({{kind_, name, doc,
-                         [] {
+                         [takes_time = takes_time_] {
                            std::vector<ParamInfo> infos;
                            Params params(infos);
+                           if (takes_time) params.allow_time();
                            T component(params);
                            return infos;
                          }},
@@ -78,6 +80,7 @@ class Registry {
       if (e.info.name != name) continue;
       Params params(value, fmt::format("{} \"{}\"", kind_, name), diagnostics);
       params.raw("type", false, "", "");  // known to every component
+      if (takes_time_) params.allow_time();
       std::unique_ptr<Interface> component = e.make(params);
       params.finish();
       return component;
@@ -97,6 +100,7 @@ class Registry {
     std::function<std::unique_ptr<Interface>(Params&)> make;
   };
   std::string kind_;
+  bool takes_time_;
   std::vector<Entry> entries_;
 };
 

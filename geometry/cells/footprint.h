@@ -13,8 +13,16 @@ namespace meristem {
 class Footprint {
  public:
   virtual ~Footprint() = default;
-  // The size a face may have at a point, in units of the model; positive.
+  // The size a face may have at a point, in units of the model; positive. While the shutter is open things may move:
+  // the least of these times, which are equidistant, the first when it opens, the last when it closes.
   virtual double at(Vec3d position) const = 0;
+  static constexpr int times = 5;
+  static constexpr float share_of_shutter(int time) { return float(time) / (times - 1); }
+  // At one of them.
+  virtual double at(Vec3d position, int time) const {
+    (void)time;
+    return at(position);
+  }
 };
 
 // The same everywhere: for objects so small or so far away that it hardly varies over them.
@@ -32,6 +40,9 @@ class ObjectFootprint final : public Footprint {
  public:
   ObjectFootprint(std::shared_ptr<const Footprint> parent, const Affine3d& to_parent);
   double at(Vec3d position) const override { return parent_->at(to_parent_.point(position)) / stretch_; }
+  double at(Vec3d position, int time) const override {
+    return parent_->at(to_parent_.point(position), time) / stretch_;
+  }
 
  private:
   const std::shared_ptr<const Footprint> parent_;

@@ -8,14 +8,24 @@ namespace {
 
 Bounds3f group_bounds(const std::vector<Placement>& members) {
   Bounds3f bounds;
-  for (const Placement& m : members) {
-    const Bounds3f& b = m.part->bounds;
-    if (!b.empty()) bounds.extend(round_outwards(m.to_parent.bounds(Bounds3d{Vec3d(b.lower), Vec3d(b.upper)})));
-  }
+  for (const Placement& m : members) bounds.extend(bounds_in_parent(m, bounds_of_moments(*m.part, m.moments.get())));
   return bounds;
 }
 
 }  // namespace
+
+Bounds3f bounds_in_parent(const Placement& placement, const Bounds3f& box) {
+  if (box.empty()) return box;
+  const Bounds3d exact{Vec3d(box.lower), Vec3d(box.upper)};
+  return round_outwards(placement.motion ? placement.motion->bounds(exact) : placement.to_parent.bounds(exact));
+}
+
+Bounds3f bounds_of_moments(const Part& part, const PartMoments* moments) {
+  Bounds3f bounds = part.bounds;
+  if (moments)
+    for (const auto& moment : *moments) bounds.extend(moment->bounds);
+  return bounds;
+}
 
 Bounds3f bounds_with_reach(const Bounds3f& ground, const Bounds3f& reach) {
   if (ground.empty() || reach.empty()) return ground;

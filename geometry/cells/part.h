@@ -3,7 +3,7 @@
 // Built once at load, then read-only: any thread.
 #pragma once
 
-#include "geometry/base/transform.h"
+#include "geometry/base/motion.h"
 #include "geometry/cells/model.h"
 
 #include <cstdint>
@@ -13,6 +13,8 @@
 namespace meristem {
 
 struct Part;
+// What a part is in each of equally long moments while the shutter is open; never empty.
+using PartMoments = std::vector<std::shared_ptr<const Part>>;
 
 struct Placement {
   std::shared_ptr<const Part> part;
@@ -26,7 +28,16 @@ struct Placement {
   // others as above; 0: never.
   Key stand_in = 0;
   double stand_in_below = 0;
+  // While the shutter is open. `motion`: in place of to_parent, which is its first key; null: it stands still.
+  // `moments`: in place of the part, which is the first of them; null: it stays as it is.
+  std::shared_ptr<const Motion> motion = nullptr;
+  std::shared_ptr<const PartMoments> moments = nullptr;
 };
+
+// Bounds in the parent's frame that hold at all times what lies in `box` of the placed part.
+Bounds3f bounds_in_parent(const Placement& placement, const Bounds3f& box);
+// Of a part at all moments (null: it has one), conservative, in its own frame.
+Bounds3f bounds_of_moments(const Part& part, const PartMoments* moments);
 
 // Puts parts on the faces of a mesh.
 class Placer {

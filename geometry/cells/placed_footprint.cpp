@@ -16,6 +16,28 @@ const ConstantFootprint* as_constant(const Footprint* footprint) {
   return dynamic_cast<const ConstantFootprint*>(footprint);
 }
 
+// Seen from the space of an object that moves.
+class MovingFootprint final : public Footprint {
+ public:
+  MovingFootprint(const std::shared_ptr<const Footprint>& parent, const Motion& motion) {
+    for (int i = 0; i < times; ++i) at_times_.emplace_back(parent, motion.at(share_of_shutter(i)));
+  }
+  double at(Vec3d position) const override {
+    double least = at(position, 0);
+    for (int i = 1; i < times; ++i) least = std::min(least, at(position, i));
+    return least;
+  }
+  double at(Vec3d position, int time) const override { return at_times_[std::size_t(time)].at(position, time); }
+
+ private:
+  std::vector<ObjectFootprint> at_times_;
+};
+
+std::shared_ptr<const Footprint> exact_footprint(const std::shared_ptr<const Footprint>& parent, const Placement& p) {
+  if (p.motion) return std::make_shared<MovingFootprint>(parent, *p.motion);
+  return std::make_shared<ObjectFootprint>(parent, p.to_parent);
+}
+
 }  // namespace
 
 const Bounds3f& placed_bounds(const Placement& p) { return p.known_bounds.empty() ? p.part->typical : p.known_bounds; }
@@ -23,7 +45,7 @@ const Bounds3f& placed_bounds(const Placement& p) { return p.known_bounds.empty(
 std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Footprint>& parent,
                                                   const Placement& placement) {
   if (!parent || placement.in_full) return nullptr;
-  auto exact = std::make_shared<ObjectFootprint>(parent, placement.to_parent);
+  auto exact = exact_footprint(parent, placement);
   const Bounds3f& bounds = placed_bounds(placement);
   if (bounds.empty()) return exact;
   double least = exact->at(Vec3d(bounds.center())), most = least;

@@ -1,4 +1,4 @@
-// The two reading functions of Params that need the expression language, which lies above geometry/base.
+// The reading functions of Params that need the expression language, which lies above geometry/base.
 #include "geometry/base/params.h"
 
 #include "geometry/base/check.h"
@@ -68,7 +68,43 @@ Compiled compile_triple(const Value& value, const Symbols& symbols, Diagnostics&
   }
 }
 
+Value number(float x, const Location& where) {
+  Value value;
+  value.kind = Value::Kind::Number;
+  value.number = double(x);
+  value.location = where;
+  return value;
+}
+
 }  // namespace
+
+const Value* Params::now(const Value& value, int components, Value& storage) {
+  const Symbols no_variables;
+  const auto is_text = [](const Value& v) { return v.kind == Value::Kind::Text; };
+  if (is_text(value)) {
+    const ValueType wanted = components == 1 ? ValueType::Scalar : ValueType::Vector;
+    const Compiled expression = compile_text(value, no_variables, wanted, *diagnostics_);
+    if (!expression) return nullptr;
+    if (components == 1) {
+      storage = number(expression->evaluate_scalar({}), value.location);
+      return &storage;
+    }
+    const Vec3f v = expression->evaluate_vector({});
+    storage.kind = Value::Kind::Array;
+    storage.location = value.location;
+    for (int i = 0; i < 3; ++i) storage.items.push_back(number(v[i], value.location));
+    return &storage;
+  }
+  if (value.kind != Value::Kind::Array || std::none_of(value.items.begin(), value.items.end(), is_text)) return &value;
+  storage = value;
+  for (Value& item : storage.items) {
+    if (!is_text(item)) continue;
+    const Compiled expression = compile_text(item, no_variables, ValueType::Scalar, *diagnostics_);
+    if (!expression) return nullptr;
+    item = number(expression->evaluate_scalar({}), item.location);
+  }
+  return &storage;
+}
 
 Compiled Params::scalar_expression(const char* name, const char* fallback, const Symbols& symbols, const char* doc) {
   const Value* const v = take(

@@ -3,6 +3,7 @@
 #include "geometry/base/source.h"
 #include "geometry/fields/builtins.h"
 #include "geometry/fields/lexer.h"
+#include "geometry/fields/time.h"
 
 #include <fmt/format.h>
 
@@ -36,6 +37,8 @@ constexpr BinaryOperator binary_operators[] = {
     {"*", 6, Op::Mul},  {"/", 6, Op::Div},        {"%", 6, Op::Mod},        {"^", 7, Op::Pow}};
 constexpr int arithmetic_precedence = 5;
 constexpr int lowest_precedence = 1;
+
+constexpr const char* time_name = "time";
 
 // How many arguments a Builtin takes, from its letters.
 struct Arity {
@@ -269,6 +272,7 @@ class Parser final : public CallContext {
     if (const int slot = symbols_.find(name); slot >= 0) return graph_.input(slot, symbols_.type(slot));
     if (name == "PI") return graph_.constant(float(pi));
     if (name == "E") return graph_.constant(2.71828182845904523536f);
+    if (name == time_name && TimeScope::current()) return graph_.constant(float(TimeScope::current()->read()));
     return -1;
   }
   NodeId variable(const Token& name) {
@@ -278,6 +282,7 @@ class Parser final : public CallContext {
                             name.length);
     std::vector<std::string> inputs;
     for (int i = 0; i < symbols_.size(); ++i) inputs.push_back(symbols_.name(i));
+    if (TimeScope::current() && symbols_.find(time_name) < 0) inputs.push_back(time_name);
     std::vector<std::string> known = inputs;
     for (const auto& [local, unused] : locals_) known.push_back(local);
     fail_unknown("variable", name, known, inputs);

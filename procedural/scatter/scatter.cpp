@@ -164,7 +164,8 @@ Scatter::Scatter(ScatterSettings settings, std::vector<Choice> choices, Key seed
   measure_variants();
   for (const Choice& c : choices_) {
     total_weight_ += c.weight;
-    if (known_bounds_.empty()) reach_.extend(reach_of(c.part->bounds, largest, is_upright));
+    if (known_bounds_.empty())
+      reach_.extend(reach_of(bounds_of_moments(*c.part, c.moments.get()), largest, is_upright));
   }
   for (const Bounds3f& b : known_bounds_) reach_.extend(reach_of(b, largest, is_upright));
 }
@@ -182,9 +183,9 @@ Bounds3f Scatter::reach_of(const Bounds3f& b, double largest, bool is_upright) c
 }
 
 void Scatter::measure_variants() {
-  const bool are_derived =
-      std::any_of(choices_.begin(), choices_.end(), [](const Choice& c) { return c.part->derives; });
-  if (settings_.variants > most_variants_measured || are_derived) return;
+  const bool are_known_otherwise =
+      std::any_of(choices_.begin(), choices_.end(), [](const Choice& c) { return c.part->derives || c.moments; });
+  if (settings_.variants > most_variants_measured || are_known_otherwise) return;
   for (const Choice& c : choices_)
     for (int i = 0; i < settings_.variants; ++i) known_bounds_.push_back(individual_bounds(*c.part, variant(i)));
 }
@@ -225,6 +226,7 @@ Placement Scatter::placement(Vec3d position, Vec3d normal, double scale, Key key
   const Choice& choice = choose(uniform_double(hash_keys(key, what_kind)));
   Placement p;
   p.part = choice.part;
+  p.moments = choice.moments;
   p.to_parent = Affine3d::translation(position - axis * (settings_.sink * scale)) *
                 standing(axis == Vec3d{} ? up : axis) * Affine3d::rotation(up, turn) * Affine3d::scaling(Vec3d(scale));
   p.individual = key;

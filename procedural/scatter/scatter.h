@@ -35,6 +35,7 @@ class Scatter final : public Placer {
   struct Choice {
     std::shared_ptr<const Part> part;
     double weight = 1;
+    std::shared_ptr<const PartMoments> moments = nullptr;  // as in Placement
   };
   // Throws std::runtime_error if the scale has no bound.
   Scatter(ScatterSettings settings, std::vector<Choice> choices, Key seed);
@@ -53,7 +54,8 @@ class Scatter final : public Placer {
   const std::vector<Choice> choices_;
   const Key seed_;
   double total_weight_ = 0;
-  std::vector<Bounds3f> known_bounds_;  // of every choice's variants, if these are few and are not derived anyway
+  std::vector<Bounds3f>
+      known_bounds_;  // of every choice's variants, if these are few, keep still, and are not derived anyway
   Bounds3f reach_;
 };
 

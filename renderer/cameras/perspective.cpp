@@ -35,6 +35,15 @@ Vec3f Perspective::image_point(Vec2f film, int width, int height) const {
           (0.5f * float(height) - film.y) * pixel + 2 * half_height_ * shift_y_, 1};
 }
 
+std::optional<Vec2f> Perspective::project(Vec3d position, int width, int height) const {
+  const Vec3d v = position - Vec3d(origin_);
+  const double z = dot(v, Vec3d(forward_));
+  if (!(z > 0)) return std::nullopt;
+  const double image_height = 2 * double(half_height_), scale = double(height) / (image_height * z);
+  return Vec2f(float(0.5 * width + dot(v, Vec3d(right_)) * scale - double(shift_x_) * height),
+               float(0.5 * height - dot(v, Vec3d(up_)) * scale + double(shift_y_) * height));
+}
+
 float Perspective::footprint(Vec3f position, int width, int height) const {
   const Vec3f v = position - origin_;
   const float distance = length(v);

@@ -15,6 +15,8 @@ class Perspective {
   // The point of the image plane at depth 1 behind a film position, as a vector from origin(): right, up, forward.
   Vec3f image_point(Vec2f film, int width, int height) const;
   Vec3f to_world(Vec3f v) const { return right_ * v.x + up_ * v.y + forward_ * v.z; }
+  // The film position behind which a world position lies; nothing if it is not in front.
+  std::optional<Vec2f> project(Vec3d position, int width, int height) const;
   // Depth of a world position along the view direction.
   float depth(Vec3f position) const { return dot(position - origin_, forward_); }
 

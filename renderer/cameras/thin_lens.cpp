@@ -37,6 +37,9 @@ class ThinLens : public Camera {
   float footprint(Vec3f position, int width, int height) const override {
     return perspective_.footprint(position, width, height);
   }
+  std::optional<Vec2f> project(Vec3d position, int width, int height) const override {
+    return perspective_.project(position, width, height);
+  }
 
  private:
   Perspective perspective_;

@@ -55,6 +55,7 @@ FilmIdentity film_identity(const RenderOptions& options, const LoadedScene& load
   identity.emplace_back("seed", fmt::format("{}", s.seed));
   identity.emplace_back("max depth", fmt::format("{}", s.max_depth));
   identity.emplace_back("detail", fmt::format("{}", s.detail));
+  identity.emplace_back("shutter", fmt::format("{} in {} moments", s.shutter, s.shutter_moments));
   identity.emplace_back("noise", fmt::format("{}", s.noise));
   identity.emplace_back("AOVs", aov_list(s.aovs));
   // Lazy and eager are the same image; flat may break ties otherwise

@@ -34,7 +34,8 @@ double exact_luminance(double r, double g, double b) {
   return double(0.2126f) * r + double(0.7152f) * g + double(0.0722f) * b;
 }
 
-constexpr std::initializer_list<Aov> of_nearest{Aov::Z, Aov::P, Aov::Uv, Aov::ObjectId, Aov::MaterialId, Aov::Level};
+constexpr std::initializer_list<Aov> of_nearest{Aov::Z,        Aov::P,          Aov::Uv,   Aov::Motion,
+                                                Aov::ObjectId, Aov::MaterialId, Aov::Level};
 constexpr std::initializer_list<Aov> of_costs{Aov::CostTime, Aov::CostExpand, Aov::CostReexpand};
 constexpr std::array matte_aovs{Aov::CryptoObject, Aov::CryptoMaterial, Aov::CryptoProduction};
 
@@ -51,7 +52,7 @@ Film::Film(PixelWindow window, float mean_weight, std::vector<Aov> aovs)
   if (has(Aov::Variance)) squares_.resize(count);
   if (has(Aov::SecondHalf)) second_halves_.resize(count);
   if (has(Aov::Albedo) || has(Aov::Normal)) surfaces_.resize(count);
-  if (any_of(of_nearest)) nearest_.resize(count, {nothing_there, {0, 0, 0}, 0, 0, -1, -1, 0, ~0u});
+  if (any_of(of_nearest)) nearest_.resize(count, {nothing_there, {0, 0, 0}, 0, 0, {0, 0}, -1, -1, 0, ~0u});
   if (any_of(of_costs)) costs_.resize(count);
   for (std::size_t m = 0; m < matte_count; ++m)
     if (has(matte_aovs[m])) mattes_[m] = Matte(count);
@@ -108,10 +109,15 @@ void Film::add_first_surface(std::size_t i, const FilmSample& sample) {
   if (!nearest_.empty()) {
     Nearest& n = nearest_[i];
     if (std::tie(sample.depth, sample.number) < std::tie(n.depth, n.sample))
-      n = {sample.depth, {hit.position.x, hit.position.y, hit.position.z},
-           hit.u,        hit.v,
-           hit.object,   first.material,
-           hit.level,    sample.number};
+      n = {sample.depth,
+           {hit.position.x, hit.position.y, hit.position.z},
+           hit.u,
+           hit.v,
+           {sample.motion.x, sample.motion.y},
+           hit.object,
+           first.material,
+           hit.level,
+           sample.number};
   }
   add_to_mattes(i, sample);
 }
@@ -238,6 +244,7 @@ void Film::develop_pixel(Aov aov, std::size_t i, float* out) const {
     case Aov::Z: out[0] = nearest_[i].depth; return;
     case Aov::P: std::ranges::copy(nearest_[i].position, out); return;
     case Aov::Uv: out[0] = nearest_[i].u, out[1] = nearest_[i].v; return;
+    case Aov::Motion: std::ranges::copy(nearest_[i].motion, out); return;
     case Aov::ObjectId: out[0] = float(nearest_[i].object + 1); return;
     case Aov::MaterialId: out[0] = float(nearest_[i].material + 1); return;
     case Aov::Level: out[0] = float(nearest_[i].level); return;

@@ -6,7 +6,7 @@
 //
 // Samples that are not finite, or brighter than ExactSum can hold (4e12), are dropped and counted. Different pixels may
 // be added to by different threads; everything else needs the threads to be joined. 64 bytes a pixel; AOVs take more:
-// variance 16, the second half 64, albedo and normal together 48, those of the nearest sample together 40, costs 16, a
+// variance 16, the second half 64, albedo and normal together 48, those of the nearest sample together 48, costs 16, a
 // matte at least 24.
 #pragma once
 
@@ -31,6 +31,7 @@ struct FilmSample {
   std::uint32_t number = 0;
   const FirstSurface* first = nullptr;  // if AOVs or mattes are wanted
   float depth = 0;                      // of the first surface, along the view axis
+  Vec2f motion = {};                    // of it on the film, in pixels a frame
   std::uint64_t nanoseconds = 0;        // that it took, and what it expanded
   ThreadExpansions expansions = {};
 };
@@ -97,7 +98,7 @@ class Film {
     void add(const Half& o);
   };
   struct Nearest {
-    float depth, position[3], u, v;
+    float depth, position[3], u, v, motion[2];
     std::int32_t object, material, level;
     std::uint32_t sample;
   };

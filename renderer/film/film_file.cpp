@@ -14,7 +14,7 @@ namespace meristem {
 
 namespace {
 
-constexpr std::string_view magic("MERISTEM FILM 2\n");
+constexpr std::string_view magic("MERISTEM FILM 3\n");
 constexpr int largest_side = 65536;
 
 void put_texts(ByteWriter& out, const std::vector<std::string>& texts) {

@@ -110,7 +110,7 @@ class Walk {
     ++counts_.camera;
     s_.last_vertex = {ray.origin, {}};
     if (path_.textures() && scene_.camera)
-      s_.spread = scene_.camera->footprint(ray.origin + ray.direction, scene_.settings.width, scene_.settings.height);
+      s_.spread = scene_.camera->spread(ray, scene_.settings.width, scene_.settings.height);
     fly(ray);
   }
 

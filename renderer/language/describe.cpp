@@ -83,7 +83,7 @@ std::string type_and_range(const ParamInfo& param) {
     result += ", " + range;
   else if (*param.range.unit)
     result += fmt::format(", {}", param.range.unit);
-  return result;
+  return param.takes_time ? result + ", or an expression of time" : result;
 }
 
 // Breaks a text between words, each line at most page_width columns with its margin.

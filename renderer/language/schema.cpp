@@ -119,8 +119,18 @@ Value type_schema(const ParamInfo& param) {
   return object({});
 }
 
+// With expressions of time as texts: for the whole, and for each component.
+Value timed_schema(const ParamInfo& param) {
+  using Type = ParamInfo::Type;
+  Value either = array({type("string")});
+  if (param.type != Type::Vector) either.items.push_back(number_schema("number", param.range));
+  if (param.type != Type::Real)
+    either.items.push_back(triple(object({{"anyOf", array({type("string"), number_schema("number", param.range)})}})));
+  return object({{"anyOf", std::move(either)}});
+}
+
 Value param_schema(const ParamInfo& param) {
-  Value schema = type_schema(param);
+  Value schema = param.takes_time ? timed_schema(param) : type_schema(param);
   const std::string unit = *param.range.unit ? fmt::format(" ({})", param.range.unit) : "";
   if (!schema.find("description") && !(param.doc + unit).empty()) set(schema, "description", text(param.doc + unit));
   if (param.default_text.empty()) return schema;

@@ -9,13 +9,13 @@
 namespace meristem {
 
 struct Components {
-  CameraRegistry cameras{"camera"};
-  LightRegistry lights{"light"};
+  CameraRegistry cameras{"camera", true};
+  LightRegistry lights{"light", true};
   MaterialRegistry materials{"material"};
   IntegratorRegistry integrators{"integrator"};
   SamplerRegistry samplers{"sampler"};
   FilterRegistry filters{"filter"};
-  BaseRegistry bases{"base"};
+  BaseRegistry bases{"base", true};
   TemplateRegistry templates;
 
   Components();

@@ -57,6 +57,7 @@ void add_glowing_objects(std::vector<Placement>& objects, Scene& scene) {
   if (std::ranges::none_of(scene.materials, [](const auto& m) { return m->may_emit(); })) return;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (scene.lights.size() > max_glowing_triangles) return;
+    if (objects[i].motion || objects[i].moments) continue;
     const Part& part = *objects[i].part;
     if (!part.model || part.placer || estimated_faces(*part.model) > max_glowing_faces) continue;
     const std::size_t others = scene.lights.size();

@@ -14,7 +14,8 @@ constexpr double max_glowing_faces = 4096;
 constexpr std::size_t max_glowing_triangles = std::size_t(1) << 18;
 
 // Appends a light for each triangle of the objects' glowing faces. Expands those objects whole, and has
-// them shown whole: what is sampled must be what is hit.
+// them shown whole: what is sampled must be what is hit. Those that change while the shutter is open are left to
+// bounces.
 void add_glowing_objects(std::vector<Placement>& objects, Scene& scene);
 
 }  // namespace meristem

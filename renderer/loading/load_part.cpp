@@ -1,5 +1,6 @@
 #include "renderer/loading/load_part.h"
 
+#include "geometry/fields/time.h"
 #include "renderer/loading/step_counts.h"
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 namespace meristem {
 
@@ -23,10 +25,12 @@ Affine3d placement(Vec3d position, Vec3d rotate, Vec3d scale) {
 Vec3d read_scale(Params& params) {
   const Value* scale =
       params.raw("scale", false,
-                 R"({"oneOf": [{"type": "number"}, )"
-                 R"({"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}], "default": 1})",
-                 "size: one number, or one along each axis");
-  if (!scale) return Vec3d(1);
+                 R"({"anyOf": [{"type": ["number", "string"]}, )"
+                 R"({"type": "array", "items": {"type": ["number", "string"]}, "minItems": 3, "maxItems": 3}], )"
+                 R"("default": 1})",
+                 "size: one number, or one along each axis; or expressions of time");
+  Value storage;
+  if (!scale || !(scale = params.now(*scale, 3, storage))) return Vec3d(1);
   Vec3d s(1);
   auto is_number = [](const Value& v) { return v.kind == Value::Kind::Number && v.number != 0; };
   if (is_number(*scale))
@@ -41,11 +45,12 @@ Vec3d read_scale(Params& params) {
 
 // The whole placement as three rows; nothing, with an error, if it is none that can be inverted.
 std::optional<Affine3d> read_matrix(Params& params) {
-  const Value* value =
-      params.raw("matrix", false, R"({"type": "array", "items": {"type": "number"}, "minItems": 12, "maxItems": 12})",
-                 "the placement as the 3 rows of 4 numbers that take points into the world, instead of "
-                 "position, rotate and scale");
-  if (!value) return std::nullopt;
+  const Value* value = params.raw(
+      "matrix", false, R"({"type": "array", "items": {"type": ["number", "string"]}, "minItems": 12, "maxItems": 12})",
+      "the placement as the 3 rows of 4 numbers, or expressions of time, that take points into the world, "
+      "instead of position, rotate and scale");
+  Value storage;
+  if (!value || !(value = params.now(*value, 1, storage))) return std::nullopt;
   std::array<double, 12> n{};
   bool good = value->kind == Value::Kind::Array && value->items.size() == n.size();
   for (std::size_t i = 0; good && i < n.size(); ++i) {
@@ -65,6 +70,7 @@ std::optional<Affine3d> read_matrix(Params& params) {
 }  // namespace
 
 ObjectSection read_object(Params& params) {
+  params.allow_time();
   ObjectSection section;
   section.model = params.required_text("model", "name of one of the file's models");
   section.name = params.text("name", "", "in mattes; none: that of the model, numbered if it stands more than once");
@@ -73,10 +79,18 @@ ObjectSection read_object(Params& params) {
   section.counts = read_step_counts(params);
   const Vec3d position = params.vector("position", {0, 0, 0}, any_range, "where the model's origin stands, in metres");
   const Vec3d rotate =
-      params.vector("rotate", {0, 0, 0}, {-36000, 36000, "deg"}, "turns about x, y and z: first z, then x, then y");
+      params.vector("rotate", {0, 0, 0}, {-1e7, 1e7, "deg"}, "turns about x, y and z: first z, then x, then y");
   section.to_world = placement(position, rotate, read_scale(params));
   if (const std::optional<Affine3d> matrix = read_matrix(params)) section.to_world = *matrix;
   return section;
+}
+
+std::optional<Affine3d> object_transform(const Value& object, double time, Diagnostics& diagnostics) {
+  TimeScope scope(time);
+  Diagnostics found;
+  Params params(object, "object", found);
+  const ObjectSection section = read_object(params);
+  return report_errors_at(time, found, diagnostics) ? std::nullopt : std::optional(section.to_world);
 }
 
 std::vector<std::string> object_names(const Value& objects) {
@@ -119,20 +133,40 @@ std::vector<Placement> PartLibrary::place(const Value& objects) {
   if (objects.kind == Value::Kind::Array)
     for (const Value& object : objects.items) add_object(object, placements);
   else
-    context_.diagnostics.error(objects.location,
-                               fmt::format("a list of objects is an array, found {}", objects.kind_name()));
+    context_->diagnostics.error(objects.location,
+                                fmt::format("a list of objects is an array, found {}", objects.kind_name()));
   return placements;
 }
 
 void PartLibrary::add_object(const Value& value, std::vector<Placement>& placements) {
   if (value.kind != Value::Kind::Object)
-    return context_.diagnostics.error(
+    return context_->diagnostics.error(
         value.location, fmt::format("an object is {{\"model\": name, ...}}, found {}", value.kind_name()));
-  Params params(value, "object", context_.diagnostics);
+  TimeScope opening(shutter_.opens);
+  Diagnostics& diagnostics = context_->diagnostics;
+  const std::size_t found_before = diagnostics.list().size();
+  Params params(value, "object", diagnostics);
   const ObjectSection section = read_object(params);
   params.finish();
-  if (auto made = part({section.model, section.seed, section.counts}, params, "model"))
-    placements.push_back({std::move(made), section.to_world, 0, true});
+  const bool moves = opening.was_read() && shutter_.is_open() && diagnostics.list().size() == found_before;
+  const auto made = part({section.model, section.seed, section.counts}, params, "model");
+  if (!made) return;
+  Placement placement{made->front(), section.to_world, 0, true};
+  if (made->size() > 1) placement.moments = made;
+  if (moves) placement.motion = motion_of(value, section.to_world);
+  moves_ = moves_ || placement.moments || placement.motion;
+  placements.push_back(std::move(placement));
+}
+
+std::shared_ptr<const Motion> PartLibrary::motion_of(const Value& object, const Affine3d& opening) {
+  auto motion = std::make_shared<Motion>();
+  motion->keys.push_back(opening);
+  for (int key = 1; key < Shutter::keys; ++key) {
+    const auto map = object_transform(object, shutter_.key_time(key), context_->diagnostics);
+    if (!map) return nullptr;
+    motion->keys.push_back(*map);
+  }
+  return motion;
 }
 
 void PartLibrary::check_unused() {
@@ -141,7 +175,7 @@ void PartLibrary::check_unused() {
     if (!used_.count(m.key)) build(m.key, m.value, 0);
 }
 
-std::shared_ptr<const Part> PartLibrary::part(const Variant& variant, Params& params, const char* name) {
+std::shared_ptr<const PartMoments> PartLibrary::part(const Variant& variant, Params& params, const char* name) {
   const std::string& model = variant.model;
   const Value* value = models_ ? models_->find(model) : nullptr;
   if (!value) {
@@ -155,9 +189,29 @@ std::shared_ptr<const Part> PartLibrary::part(const Variant& variant, Params& pa
     params.error(name, fmt::format("model \"{}\" places itself", model));
     return nullptr;
   }
-  auto made = is_new ? build(variant, *value, params) : nullptr;
+  auto made = is_new ? build_moments(variant, *value, params) : nullptr;
   under_construction_.erase(model);
   return built_[variant] = std::move(made);
+}
+
+std::shared_ptr<const PartMoments> PartLibrary::build_moments(const Variant& variant, const Value& value,
+                                                              Params& params) {
+  TimeScope first(shutter_.moment_time(0));
+  PartMoments moments{build(variant, value, params)};
+  if (!moments[0]) return nullptr;
+  const ModelContext& usual = *context_;
+  for (int m = 1; first.was_read() && shutter_.is_open() && m < shutter_.moments; ++m) {
+    TimeScope scope(shutter_.moment_time(m));
+    Diagnostics found;
+    const ModelContext context{usual.material_index, usual.folder, found,
+                               usual.cells,          usual.levels, usual.production_number};
+    const ModelContext* const outer = std::exchange(context_, &context);
+    moments.push_back(build(variant, value, params));
+    context_ = outer;
+    report_errors_at(shutter_.moment_time(m), found, usual.diagnostics);
+    if (!moments.back()) return nullptr;
+  }
+  return std::make_shared<const PartMoments>(std::move(moments));
 }
 
 std::shared_ptr<const Part> PartLibrary::build(const Variant& variant, const Value& value, Params& params) {
@@ -169,12 +223,12 @@ std::shared_ptr<const Part> PartLibrary::build(const Variant& variant, const Val
 std::shared_ptr<const Part> PartLibrary::build(const std::string& name, const Value& value, int seed) {
   if (value.kind == Value::Kind::Object && value.find("scatter")) return build_scatter(name, value, seed);
   if (value.kind == Value::Kind::Object && value.find("group")) return build_group(value);
-  auto model = build_model(name, value, seed, context_);
+  auto model = build_model(name, value, seed, *context_);
   return model ? std::make_shared<const Part>(std::move(model)) : nullptr;
 }
 
 std::shared_ptr<const Part> PartLibrary::build_group(const Value& value) {
-  Params params(value, "model \"group\"", context_.diagnostics);
+  Params params(value, "model \"group\"", context_->diagnostics);
   const GroupSection section = read_group(params);
   params.finish();
   if (!section.objects) return nullptr;
@@ -183,7 +237,7 @@ std::shared_ptr<const Part> PartLibrary::build_group(const Value& value) {
 }
 
 std::shared_ptr<const Part> PartLibrary::build_scatter(const std::string& name, const Value& value, int seed) {
-  Params params(value, "model \"scatter\"", context_.diagnostics);
+  Params params(value, "model \"scatter\"", context_->diagnostics);
   const ScatterSection section = read_scatter(params);
   params.finish();
   if (!section.models) return nullptr;
@@ -196,7 +250,7 @@ std::shared_ptr<const Part> PartLibrary::build_scatter(const std::string& name, 
     return nullptr;
   }
   used_.insert(section.on);
-  ModelContext context = context_;
+  ModelContext context = *context_;
   context.cells = {.leaf_faces = 64, .keeps_leaf_meshes = true};
   context.levels = section.levels;
   auto ground = build_model(section.on, *ground_value, seed, context);
@@ -214,11 +268,14 @@ std::shared_ptr<const Part> PartLibrary::build_scatter(const std::string& name, 
 std::vector<Scatter::Choice> PartLibrary::read_choices(const Value& list, int seed) {
   std::vector<Scatter::Choice> choices;
   for (const Value& item : list.items) {
-    Params params(item, "scattered model", context_.diagnostics);
+    Params params(item, "scattered model", context_->diagnostics);
     const std::string name = params.required_text("model", "name of one of the file's models");
     const double weight = params.real("weight", 1, {1e-9, 1e9, ""}, "how often, beside the others");
     params.finish();
-    if (auto made = part({name, seed}, params, "model")) choices.push_back({std::move(made), weight});
+    const auto made = part({name, seed}, params, "model");
+    if (!made) continue;
+    moves_ = moves_ || made->size() > 1;
+    choices.push_back({made->front(), weight, made->size() > 1 ? made : nullptr});
   }
   return choices;
 }

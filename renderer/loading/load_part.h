@@ -4,9 +4,11 @@
 #include "geometry/cells/part.h"
 #include "procedural/scatter/scatter.h"
 #include "renderer/loading/load_model.h"
+#include "renderer/loading/shutter.h"
 
 #include <compare>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -36,23 +38,31 @@ struct ObjectSection {
 };
 ObjectSection read_object(Params& params);
 
+// Where an object stands at a time, in frames; nothing, with an error, if its expressions go wrong there.
+std::optional<Affine3d> object_transform(const Value& object, double time, Diagnostics& diagnostics);
+
 // Names of a list of objects, for mattes: their own, or those of their models: "tree", or "tree 1", "tree 2" if there
 // are several without a name.
 std::vector<std::string> object_names(const Value& objects);
 
-// Builds the models of a scene file when they are first named, once for each seed and counts.
+// Builds the models of a scene file when they are first named, once for each seed and counts; those that change while
+// the shutter is open once for each of its moments.
 class PartLibrary {
  public:
   // `models`: the section as written; null if absent.
-  PartLibrary(const Value* models, const ModelContext& context) : models_(models), context_(context) {}
+  PartLibrary(const Value* models, const ModelContext& context, const Shutter& shutter = {})
+      : models_(models), context_(&context), shutter_(shutter) {}
 
   // The placements of a list of objects. Errors go to the diagnostics; what is wrong is left out.
   std::vector<Placement> place(const Value& objects);
   // The model that the member `name` of `params` names, for whoever needs its shape; null, with an error, if there is
   // none or it cannot be built.
   std::shared_ptr<const Part> named_part(const std::string& model, Params& params, const char* name) {
-    return part({model}, params, name);
+    const auto moments = part({model}, params, name);
+    return moments ? moments->front() : nullptr;
   }
+  // Whether anything that has been placed changes while the shutter is open.
+  bool moves() const { return moves_; }
   // Models that nothing names are checked all the same.
   void check_unused();
 
@@ -66,18 +76,22 @@ class PartLibrary {
   };
 
   // Of the model that the member `name` of `params` names. Null if there is none or it cannot be built.
-  std::shared_ptr<const Part> part(const Variant& variant, Params& params, const char* name);
+  std::shared_ptr<const PartMoments> part(const Variant& variant, Params& params, const char* name);
+  std::shared_ptr<const PartMoments> build_moments(const Variant& variant, const Value& value, Params& params);
   std::shared_ptr<const Part> build(const Variant& variant, const Value& value, Params& params);
   std::shared_ptr<const Part> build(const std::string& name, const Value& value, int seed);
   std::shared_ptr<const Part> build_scatter(const std::string& name, const Value& value, int seed);
   std::shared_ptr<const Part> build_group(const Value& value);
   std::vector<Scatter::Choice> read_choices(const Value& list, int seed);
   void add_object(const Value& value, std::vector<Placement>& placements);
+  std::shared_ptr<const Motion> motion_of(const Value& object, const Affine3d& opening);
   std::string unknown_model(const std::string& name) const;
 
   const Value* models_;
-  const ModelContext& context_;
-  std::map<Variant, std::shared_ptr<const Part>> built_;
+  const ModelContext* context_;
+  const Shutter shutter_;
+  bool moves_ = false;
+  std::map<Variant, std::shared_ptr<const PartMoments>> built_;
   std::set<std::string> under_construction_;
   std::set<std::string> used_;
 };

@@ -2,6 +2,8 @@
 
 #include "geometry/base/parallel.h"
 #include "geometry/base/sha256.h"
+#include "geometry/fields/time.h"
+#include "renderer/cameras/moving_camera.h"
 #include "renderer/language/override.h"
 #include "renderer/language/scene_file.h"
 #include "renderer/loading/all_components.h"
@@ -28,12 +30,17 @@ class CameraFootprint final : public Footprint {
  public:
   CameraFootprint(const Scene& scene, double detail)
       : camera_(*scene.camera), width_(scene.settings.width), height_(scene.settings.height), detail_(detail) {}
-  double at(Vec3d position) const override {
-    constexpr double smallest = 1e-9;  // at the camera itself
-    return std::max(detail_ * double(camera_.footprint(Vec3f(position), width_, height_)), smallest);
+  double at(Vec3d position) const override { return wanted(camera_.footprint(Vec3f(position), width_, height_)); }
+  double at(Vec3d position, int time) const override {
+    return wanted(camera_.footprint_at(Vec3f(position), share_of_shutter(time), width_, height_));
   }
 
  private:
+  double wanted(float pixel) const {
+    constexpr double smallest = 1e-9;  // at the camera itself
+    return std::max(detail_ * double(pixel), smallest);
+  }
+
   const Camera& camera_;
   const int width_, height_;
   const double detail_;  // pixels
@@ -80,6 +87,9 @@ class SceneBuilder {
     params.finish();
 
     scene_ = std::make_unique<Scene>();
+    add_render(render);
+    shutter_ = shutter();
+    TimeScope opening(shutter_.opens);
     name_materials(materials);
     const ModelContext context{
         [this](const std::string& name, const Location& where) { return material_index(name, where); },
@@ -88,21 +98,23 @@ class SceneBuilder {
         {},
         0,
         [this](const std::string& name) { return production_number(name); }};
-    PartLibrary library(models, context);
-    SceneGrids grids(grid_section, std::filesystem::path(path_ == "-" ? "" : path_).parent_path().string(), library,
-                     diagnostics_);
+    PartLibrary library(models, context, shutter_);
+    SceneGrids grids(grid_section, std::filesystem::path(path_ == "-" ? "" : path_).parent_path().string(),
+                     shutter_.opens, library, diagnostics_);
     const GridScope expressions_may_name(&grids);
     add_materials(materials);
     add_lights(lights);
     add_media(media);
     choose_camera(file, camera, cameras);
-    add_render(render);
     std::vector<Placement> world = objects ? library.place(*objects) : std::vector<Placement>{};
+    scene_->moves = scene_->moves || library.moves();
     const std::size_t productions = scene_->names.productions.size();
     library.check_unused();
     scene_->names.productions.resize(productions);
     grids.check_unused();
     if (objects) scene_->names.objects = object_names(*objects);
+    diagnostics_.throw_if_errors();
+    if (wants_motion()) add_motion_vectors(objects, world);
     diagnostics_.throw_if_errors();
 
     add_glowing_objects(world, *scene_);
@@ -264,8 +276,47 @@ class SceneBuilder {
       diagnostics_.error(file.location, options_.camera.empty() ? std::string("the scene has no \"camera\"")
                                                                 : fmt::format("no camera named \"{}\"; known: {}",
                                                                               options_.camera, fmt::join(names, ", ")));
+    if (chosen) make_camera(*chosen);
+  }
+
+  void make_camera(const Value& chosen) {
+    TimeScope opening(shutter_.opens);
     Diagnostics reported_already;
-    if (chosen) scene_->camera = all_components().cameras.create(*chosen, default_camera, reported_already);
+    scene_->camera = all_components().cameras.create(chosen, default_camera, reported_already);
+    if (reported_already.has_errors() || !opening.was_read()) return;
+    if (wants_motion()) later_camera_ = camera_at(chosen, shutter_.opens + 1);
+    if (!shutter_.is_open()) return;
+    std::vector<std::unique_ptr<Camera>> keys;
+    for (int key = 0; key < Shutter::keys; ++key) {
+      keys.push_back(camera_at(chosen, shutter_.key_time(key)));
+      if (!keys.back()) return;
+    }
+    scene_->camera = std::make_unique<MovingCamera>(std::move(keys));
+    scene_->moves = true;
+  }
+
+  // Null, with an error, if it is none at that time.
+  std::unique_ptr<Camera> camera_at(const Value& chosen, double time) {
+    TimeScope scope(time);
+    Diagnostics found;
+    auto camera = all_components().cameras.create(chosen, default_camera, found);
+    return report_errors_at(time, found, diagnostics_) ? nullptr : std::move(camera);
+  }
+
+  bool wants_motion() const {
+    return std::ranges::find(scene_->settings.aovs, Aov::Motion) != scene_->settings.aovs.end();
+  }
+
+  void add_motion_vectors(const Value* objects, const std::vector<Placement>& world) {
+    std::vector<MotionVectors::Object> list;
+    bool moves = later_camera_ != nullptr;
+    for (std::size_t i = 0; i < world.size(); ++i) {
+      const Affine3d& now = world[i].to_parent;
+      const auto later = object_transform(objects->items[i], shutter_.opens + 1, diagnostics_);
+      list.push_back({now, later.value_or(now), world[i].motion});
+      moves = moves || list.back().later != now;
+    }
+    if (moves) scene_->motion_vectors = std::make_unique<MotionVectors>(std::move(later_camera_), std::move(list));
   }
 
   void add_render(const Value* render) {
@@ -278,6 +329,12 @@ class SceneBuilder {
     scene_->integrator = make(all_components().integrators, section.integrator, default_integrator);
     scene_->sampler = make(all_components().samplers, section.sampler, default_sampler);
     scene_->filter = make(all_components().filters, section.filter, default_filter);
+  }
+
+  // An export shows the frame's own time.
+  Shutter shutter() const {
+    const RenderSettings& s = scene_->settings;
+    return {double(options_.frame.value_or(0)), options_.keep_objects ? 0 : s.shutter, s.shutter_moments};
   }
 
   void override_settings(RenderSettings& s) const {
@@ -300,6 +357,8 @@ class SceneBuilder {
   const LoadOptions& options_;
   Diagnostics diagnostics_;
   std::unique_ptr<Scene> scene_;
+  Shutter shutter_;
+  std::unique_ptr<Camera> later_camera_;  // a frame later; null: it is where it was, or nobody asks
   std::map<std::string, int> material_names_;
   std::map<std::string, std::uint16_t> production_numbers_;
   std::vector<ExpressionMedium*> media_;  // those of the scene

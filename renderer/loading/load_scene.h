@@ -34,7 +34,7 @@ struct LoadOptions {
   std::optional<double> noise;
   std::vector<Aov> aovs;         // besides those of the file
   std::vector<std::string> set;  // overrides of single values: renderer/language/override.h
-  std::optional<int> frame;      // its number; what overrides compute with, 0 if there is none
+  std::optional<int> frame;      // its number: `time` of expressions and `frame` of overrides; 0 if there is none
 };
 
 struct LoadedScene {

@@ -113,6 +113,10 @@ RenderSection read_render(Params& params) {
   s.seed = std::uint64_t(
       params.integer("seed", 0, {0, 2147483647, ""}, "another seed gives other noise, not another scene"));
   s.noise = params.real("noise", 0, {0, 1, ""}, "pixels whose noise is below it take no more samples; 0: all take all");
+  s.shutter = params.real("shutter", 0, {0, 1, "frames"},
+                          "how long it is open, from the frame's time on; 0: nothing is blurred, 0.5: as in film");
+  s.shutter_moments = params.integer("shutter_moments", s.shutter_moments, {1, 256, ""},
+                                     "models whose expressions name time are built for so many moments of the shutter");
   read_aovs(params, s);
   read_bytes(params, "budget", "2G", "memory for expanded geometry, such as 512M or 2G", s.budget_bytes);
   s.ray_order =

@@ -3,6 +3,7 @@
 #include "geometry/base/parallel.h"
 #include "geometry/cells/footprint.h"
 #include "geometry/cells/shown_surfaces.h"
+#include "geometry/fields/time.h"
 #include "geometry/volumes/brick_grid.h"
 #include "geometry/volumes/vdb_codec.h"
 #include "renderer/scene/asset_path.h"
@@ -132,8 +133,9 @@ ValueGridSection read_value_grid(Params& params) {
   return section;
 }
 
-SceneGrids::SceneGrids(const Value* section, std::string folder, PartLibrary& parts, Diagnostics& diagnostics)
-    : section_(section), folder_(std::move(folder)), parts_(parts), diagnostics_(diagnostics) {}
+SceneGrids::SceneGrids(const Value* section, std::string folder, double time, PartLibrary& parts,
+                       Diagnostics& diagnostics)
+    : section_(section), folder_(std::move(folder)), time_(time), parts_(parts), diagnostics_(diagnostics) {}
 SceneGrids::~SceneGrids() = default;
 
 std::shared_ptr<const Grid> SceneGrids::open(const std::string& name, const std::string& grid) {
@@ -194,6 +196,7 @@ std::unique_ptr<VoxelSource> SceneGrids::read_file(const std::string& file, cons
 }
 
 std::unique_ptr<VoxelSource> SceneGrids::from_section(const std::string& name, const Value& value, bool& is_level_set) {
+  TimeScope scope(time_);  // whatever that of the expression is that names the grid
   Params params(value, fmt::format("grid \"{}\"", name), diagnostics_);
   if (value.find("model")) {
     const ModelGridSection section = read_model_grid(params);

@@ -40,8 +40,8 @@ ValueGridSection read_value_grid(Params& params);
 // Grids are made when they are first named. One thread.
 class SceneGrids final : public GridSource {
  public:
-  // `section`: as written; null if absent. `folder`: of the scene, as the user wrote its name.
-  SceneGrids(const Value* section, std::string folder, PartLibrary& parts, Diagnostics& diagnostics);
+  // `section`: as written; null if absent. `folder`: of the scene, as the user wrote its name. `time`: of all grids.
+  SceneGrids(const Value* section, std::string folder, double time, PartLibrary& parts, Diagnostics& diagnostics);
   ~SceneGrids() override;
 
   std::shared_ptr<const Grid> open(const std::string& name, const std::string& grid) override;
@@ -59,6 +59,7 @@ class SceneGrids final : public GridSource {
 
   const Value* section_;
   const std::string folder_;
+  const double time_;
   PartLibrary& parts_;
   Diagnostics& diagnostics_;
   std::map<std::pair<std::string, std::string>, std::shared_ptr<const Grid>> open_;

@@ -17,6 +17,10 @@ const std::array infos{
     AovInfo{Aov::Z, "Z", {"Z"}, "depth along the view axis, metres, of the nearest sample; 1e10: nothing there"},
     AovInfo{Aov::P, "P", {"P.X", "P.Y", "P.Z"}, "position in world space of the nearest sample"},
     AovInfo{Aov::Uv, "uv", {"uv.U", "uv.V"}, "texture coordinates of the nearest sample"},
+    AovInfo{Aov::Motion,
+            "motion",
+            {"motion.X", "motion.Y"},
+            "way on the film in a frame of what the nearest sample shows, pixels to the right and down"},
     AovInfo{Aov::ObjectId, "id.object", {"id.object"}, "object of the nearest sample, from 1; 0: nothing there"},
     AovInfo{
         Aov::MaterialId, "id.material", {"id.material"}, "material of the nearest sample, from 1; 0: nothing there"},

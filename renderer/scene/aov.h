@@ -17,6 +17,7 @@ enum class Aov : std::uint8_t {
   Z,
   P,
   Uv,
+  Motion,
   ObjectId,
   MaterialId,
   Level,

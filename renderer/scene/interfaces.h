@@ -37,8 +37,9 @@ class Sampler {
 };
 
 struct CameraSample {
-  Vec2f film;  // pixels from the top left corner of the image, y down
-  Vec2f lens;  // [0, 1)^2
+  Vec2f film;      // pixels from the top left corner of the image, y down
+  Vec2f lens;      // [0, 1)^2
+  float time = 0;  // of the shutter, [0, 1)
 };
 
 class Camera {
@@ -46,8 +47,24 @@ class Camera {
   virtual ~Camera() = default;
   // The ray through film position in an image of width x height pixels; unit direction.
   virtual Ray ray(const CameraSample& sample, int width, int height) const = 0;
-  // The size in world units of one pixel at a world position: the footprint. Grows gently out of view.
+  // The size in world units of one pixel at a world position: the footprint. Grows gently out of view. Of a camera that
+  // moves the least while the shutter is open.
   virtual float footprint(Vec3f position, int width, int height) const = 0;
+  // At a time from 0 to 1 of the shutter.
+  virtual float footprint_at(Vec3f position, float time, int width, int height) const {
+    (void)time;
+    return footprint(position, width, height);
+  }
+  // By how much a pixel grows with the distance along one of its rays.
+  virtual float spread(const Ray& ray, int width, int height) const {
+    return footprint(ray.origin + ray.direction, width, height);
+  }
+  // Where on the film a world position is seen when the shutter opens, from the middle of the lens; nothing if it is
+  // not in front of the camera, or the camera does not know.
+  virtual std::optional<Vec2f> project(Vec3d position, int width, int height) const {
+    (void)position, (void)width, (void)height;
+    return std::nullopt;
+  }
 };
 
 // A separable reconstruction filter, by importance sampling: offset of the sample from the pixel's centre for a uniform
@@ -165,6 +182,7 @@ struct FirstSurface {
   SurfaceHit hit;                      // not valid() if there is none; its origin is not kept
   Spectrum albedo;                     // of the surface in all, directions left out; each in [0, 1]
   int material = -1, production = -1;  // indices into Scene::names
+  float time = 0;                      // of the camera ray
 };
 
 // What a path uses while it goes on.

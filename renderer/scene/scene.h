@@ -4,6 +4,7 @@
 #include "renderer/scene/aov.h"
 #include "renderer/scene/interfaces.h"
 #include "renderer/scene/medium.h"
+#include "renderer/scene/motion_vectors.h"
 
 #include <memory>
 #include <string>
@@ -29,6 +30,8 @@ struct RenderSettings {
   std::uint64_t budget_bytes = std::uint64_t(2) << 30;  // of the geometry cache
   RayOrder ray_order = RayOrder::Auto;
   std::uint64_t queue_bytes = std::uint64_t(128) << 20;  // of paths that wait; beside the budget
+  double shutter = 0;                                    // how long it is open, in frames
+  int shutter_moments = 8;                               // at which growth that changes is built, while it is open
   double noise = 0;       // a pixel takes no more samples when its noise falls below it (film/noise.h); 0: never
   std::vector<Aov> aovs;  // beside the beauty; sorted, each once
 };
@@ -50,6 +53,8 @@ class Scene {
   std::unique_ptr<Intersector> intersector;
   RenderSettings settings;
   SceneNames names;
+  bool moves = false;                             // something does while the shutter is open: paths draw a time
+  std::unique_ptr<MotionVectors> motion_vectors;  // null: nobody asks for them, or they are all 0
 
   // Makes what rendering needs and checking does not, such as tables of lights. Once, before the first ray.
   void prepare() {

@@ -5,14 +5,15 @@ namespace meristem {
 namespace {
 
 // Through the middle of the image and of the lens.
-Ray central_ray(const Scene& scene) {
+Ray central_ray(const Scene& scene, float time) {
   const RenderSettings& s = scene.settings;
-  return scene.camera->ray({{0.5f * float(s.width), 0.5f * float(s.height)}, {0.5f, 0.5f}}, s.width, s.height);
+  return scene.camera->ray({{0.5f * float(s.width), 0.5f * float(s.height)}, {0.5f, 0.5f}, time}, s.width, s.height);
 }
 
 }  // namespace
 
-CameraPaths::CameraPaths(const Scene& scene) : scene_(scene), filter_(*scene.filter), view_axis_(central_ray(scene)) {}
+CameraPaths::CameraPaths(const Scene& scene)
+    : scene_(scene), filter_(*scene.filter), view_axis_(central_ray(scene, 0)) {}
 
 CameraPaths::Start CameraPaths::start(const PixelSample& sample, Sampler& sampler) const {
   const RenderSettings& settings = scene_.settings;
@@ -20,8 +21,21 @@ CameraPaths::Start CameraPaths::start(const PixelSample& sample, Sampler& sample
   // Choose where in the filter's support the ray passes, and where on the lens
   const FilterSample at = filter_.sample(sampler.next_2d());
   const Vec2f pixel{float(sample.x) + 0.5f, float(sample.y) + 0.5f};
-  const CameraSample camera_sample{pixel + at.offset, sampler.next_2d()};
-  return {scene_.camera->ray(camera_sample, settings.width, settings.height), at.weight < 0 ? -1 : 1};
+  CameraSample camera_sample{pixel + at.offset, sampler.next_2d()};
+  if (scene_.moves) camera_sample.time = sampler.next_1d();
+  Start start{scene_.camera->ray(camera_sample, settings.width, settings.height), at.weight < 0 ? -1 : 1};
+  start.ray.time = camera_sample.time;
+  return start;
+}
+
+void CameraPaths::measure(FilmSample& sample) const {
+  if (!sample.first || !sample.first->hit.valid()) return;
+  const SurfaceHit& hit = sample.first->hit;
+  const float time = sample.first->time;
+  const Ray axis = scene_.moves ? central_ray(scene_, time) : view_axis_;
+  sample.depth = dot(hit.position - axis.origin, axis.direction);
+  const RenderSettings& s = scene_.settings;
+  if (scene_.motion_vectors) sample.motion = scene_.motion_vectors->at(hit, time, *scene_.camera, s.width, s.height);
 }
 
 }  // namespace meristem

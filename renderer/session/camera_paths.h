@@ -1,6 +1,7 @@
 // CameraPaths: where the samples of a pixel begin. Immutable; any thread.
 #pragma once
 
+#include "renderer/film/film.h"
 #include "renderer/film/filter_sampler.h"
 #include "renderer/scene/scene.h"
 
@@ -22,14 +23,14 @@ class CameraPaths {
   };
   // Leaves the sampler where the path goes on.
   Start start(const PixelSample& sample, Sampler& sampler) const;
-  // Of a surface, along the view axis.
-  float depth(const SurfaceHit& hit) const { return dot(hit.position - view_axis_.origin, view_axis_.direction); }
+  // What the film wants to know of a sample's first surface besides: its depth along the view axis and its motion.
+  void measure(FilmSample& sample) const;
   float mean_weight() const { return filter_.mean_weight(); }
 
  private:
   const Scene& scene_;
   const FilterSampler filter_;
-  const Ray view_axis_;
+  const Ray view_axis_;  // when the shutter opens
 };
 
 }  // namespace meristem

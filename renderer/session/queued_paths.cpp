@@ -238,6 +238,7 @@ void QueuedPaths::follow(Worker& worker, std::uint32_t id) {
   } else {
     if (first) *first = {};
     const CameraPaths::Start start = camera_.start(s.sample, sampler);
+    if (first) first->time = start.ray.time;
     s.weight = start.weight;
     s.is_begun = true;
     stepper_.begin(state(id), start.ray, tools);
@@ -274,10 +275,8 @@ void QueuedPaths::deliver(const Exchange& exchange, std::uint32_t id, bool cover
   const Chunk& chunk = *chunks_[id / chunk_paths];
   FilmSample sample{
       .radiance = stepper_.result(state(id)), .covered = covered, .weight = s.weight, .number = s.sample.number};
-  if (wants_.first_surface) {
-    sample.first = &chunk.first[id % chunk_paths];
-    if (sample.first->hit.valid()) sample.depth = camera_.depth(sample.first->hit);
-  }
+  if (wants_.first_surface) sample.first = &chunk.first[id % chunk_paths];
+  camera_.measure(sample);
   if (wants_.costs) {
     const Cost& cost = chunk.costs[id % chunk_paths];
     sample.nanoseconds = cost.nanoseconds;

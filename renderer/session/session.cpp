@@ -190,6 +190,7 @@ void RenderSession::take_sample(Worker& worker, const PixelSample& at) {
   FilmSample result{.weight = start.weight, .number = at.number};
   const std::uint64_t escaped_before = worker.rays.escaped;
   FirstSurface first;
+  first.time = start.ray.time;
   if (film_.wants_first_surface()) result.first = &first;
   if (film_.wants_costs())
     measure_sample(worker, start.ray, first, result);
@@ -197,7 +198,7 @@ void RenderSession::take_sample(Worker& worker, const PixelSample& at) {
     result.radiance =
         scene_.integrator->radiance(start.ray, scene_, sampler, worker.rays, result.first ? &first : nullptr);
   result.covered = worker.rays.escaped == escaped_before;
-  if (first.hit.valid()) result.depth = camera_.depth(first.hit);
+  camera_.measure(result);
   film_.add(at.x, at.y, result);
 }
 

@@ -35,7 +35,7 @@ def assert_whole_png(path):
 def assert_whole_film(path):
     """Magic, and three sections with the right checksums."""
     data = path.read_bytes()
-    assert data[:16] == b"MERISTEM FILM 2\n", path
+    assert data[:16] == b"MERISTEM FILM 3\n", path
     at = 16
     for _ in range(3):
         size, crc = struct.unpack("<QI", data[at:at + 12])

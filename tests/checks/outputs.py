@@ -10,7 +10,7 @@ import tempfile
 
 from running import Program, oiiotool, pixels
 
-ALL = ["beauty", "albedo", "normal", "Z", "P", "uv", "id.object", "id.material", "level", "samples",
+ALL = ["beauty", "albedo", "normal", "Z", "P", "uv", "motion", "id.object", "id.material", "level", "samples",
        "variance", "second_half", "cost.time", "cost.expand", "cost.reexpand", "crypto_object", "crypto_material",
        "crypto_production"]
 

@@ -44,6 +44,18 @@ TEST(Pinhole, ShiftMovesTheImageByItsHeight) {
   EXPECT_LT(length(a - b), 1e-6f);
 }
 
+TEST(Pinhole, ProjectFindsTheFilmPositionOfARay) {
+  const auto camera = make<Camera>(register_pinhole, "{" + view + R"(, "shift_y": 0.25, "shift_x": -0.5 })");
+  for (const Vec2f film : {Vec2f{160, 100}, Vec2f{10.25f, 20}, Vec2f{310, 190.5f}, Vec2f{-40, 300}}) {
+    const Ray ray = camera->ray({film, {}}, width, height);
+    const auto found = camera->project(Vec3d(ray.origin + ray.direction * 7), width, height);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->x, film.x, 2e-3f);
+    EXPECT_NEAR(found->y, film.y, 2e-3f);
+    EXPECT_FALSE(camera->project(Vec3d(ray.origin - ray.direction), width, height));
+  }
+}
+
 TEST(Pinhole, FootprintIsTheDistanceBetweenNeighbouringPixels) {
   const auto camera = make<Camera>(register_pinhole, "{" + view + "}");
   const Vec2f pixels[] = {{160, 100}, {10, 20}, {310, 190}};
@@ -90,6 +102,13 @@ TEST(ThinLens, AllRaysOfAPixelMeetInTheFocusPlane) {
     const Vec3f met = ray.origin + ray.direction * ((-4 - ray.origin.z) / ray.direction.z);
     EXPECT_LT(length(met - focus), 1e-5f);
   }
+}
+
+TEST(ThinLens, ProjectsThroughTheMiddleOfTheLens) {
+  const auto pinhole = make<Camera>(register_pinhole, "{" + view + "}"),
+             camera = make<Camera>(register_thin_lens, "{" + view + R"(, "f_stop": 1 })");
+  const Vec3d p{0.4, 1.2, 0.1};
+  EXPECT_EQ(camera->project(p, width, height), pinhole->project(p, width, height));
 }
 
 TEST(ThinLens, FocusesOnToUnlessTold) {

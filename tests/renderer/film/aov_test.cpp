@@ -59,10 +59,10 @@ TEST(FilmAovs, AFilmMergedInAnyOrderHasTheBitsOfTheWhole) {
 }
 
 TEST(FilmAovs, MeansAndTheNearest) {
-  Film film({4, 4, 5, 5}, 1, parse_aovs("albedo,normal,Z,P,uv,id.object,id.material,samples"));
+  Film film({4, 4, 5, 5}, 1, parse_aovs("albedo,normal,Z,P,uv,motion,id.object,id.material,samples"));
   const FirstSurface far = surface(0.25f, 0, 1), near = surface(0.75f, 1, 0);
   film.add(4, 4, {.radiance = {1, 1, 1}, .number = 0, .first = &far, .depth = 9});
-  film.add(4, 4, {.radiance = {1, 1, 1}, .number = 1, .first = &near, .depth = 2});
+  film.add(4, 4, {.radiance = {1, 1, 1}, .number = 1, .first = &near, .depth = 2, .motion = {4, -5}});
   film.add(4, 4, {.radiance = {1, 1, 1}, .number = 2, .first = &far, .depth = 7});
   film.add(4, 4, {.radiance = {0, 0, 0}, .covered = false, .number = 3});
   EXPECT_EQ(film.develop(Aov::Albedo).pixels, (std::vector<float>{0.375f, 0.1875f, 1.25f / 4}));
@@ -70,6 +70,7 @@ TEST(FilmAovs, MeansAndTheNearest) {
   EXPECT_EQ(film.develop(Aov::Z).pixels, (std::vector<float>{2}));
   EXPECT_EQ(film.develop(Aov::P).pixels, (std::vector<float>{0.75f, 2, 3}));
   EXPECT_EQ(film.develop(Aov::Uv).pixels, (std::vector<float>{0.375f, 0}));
+  EXPECT_EQ(film.develop(Aov::Motion).pixels, (std::vector<float>{4, -5}));
   EXPECT_EQ(film.develop(Aov::ObjectId).pixels, (std::vector<float>{2}));
   EXPECT_EQ(film.develop(Aov::MaterialId).pixels, (std::vector<float>{1}));
   EXPECT_EQ(film.develop(Aov::Samples).pixels, (std::vector<float>{4}));

@@ -48,6 +48,11 @@ TEST(Describe, ShowsAPage) {
             "             which fit to measured skies\n");
 }
 
+TEST(Describe, SaysWhatMayDependOnTime) {
+  EXPECT_NE(describe(sample_catalogue(), "pinhole").find("number, 1 to 170 deg, or an expression of time; default 40"),
+            std::string::npos);
+}
+
 TEST(Describe, NamesTheFormOfRawParameters) {
   const std::string grow = describe(sample_catalogue(), "grow");
   EXPECT_NE(grow.find("rules  object; required\n"), std::string::npos) << grow;

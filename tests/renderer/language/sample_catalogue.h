@@ -28,7 +28,10 @@ struct Rectangle : Anything {
 };
 
 struct Pinhole : Anything {
-  explicit Pinhole(Params& p) { p.vector("from", {0, 0, 5}, any_range, "the eye"); }
+  explicit Pinhole(Params& p) {
+    p.vector("from", {0, 0, 5}, any_range, "the eye");
+    p.real("fov", 40, {1, 170, "deg"}, "");
+  }
 };
 
 struct Orthographic : Anything {
@@ -74,7 +77,7 @@ inline Catalogue sample_catalogue() {
     for (ComponentInfo& info : registry.infos()) catalogue.components.push_back(std::move(info));
   };
   Registry<Anything> sections("section"), steps("step"), productions("production"), templates("template"),
-      lights("light"), cameras("camera");
+      lights("light"), cameras("camera", true);
   sections.add<Model>("model", "a base mesh and steps");
   steps.add<Subdivide>("subdivide", "refines the mesh");
   steps.add<Grow>("grow", "replaces faces by rules");

@@ -85,6 +85,19 @@ TEST(Schema, ShowsTypeRangeUnitDefaultAndMeaning) {
   EXPECT_EQ(at(schema, {"definitions", "light.rectangle", "required"}), R"(["corner", "radiance"])");
 }
 
+TEST(Schema, WhatMayDependOnTimeMayBeAText) {
+  const Value schema = sample_schema();
+  const auto pinhole = [&](const char* name) {
+    return at(schema, {"definitions", "camera.pinhole", "properties", name, "anyOf"});
+  };
+  EXPECT_EQ(pinhole("fov"), R"([{ "type": "string" }, { "type": "number", "minimum": 1, "maximum": 170 }])");
+  const Value* const from =
+      schema.find("definitions")->find("camera.pinhole")->find("properties")->find("from")->find("anyOf");
+  ASSERT_EQ(from->items.size(), 2u);
+  EXPECT_EQ(at(from->items[0], {"type"}), "\"string\"");
+  EXPECT_EQ(at(from->items[1], {"items"}), R"({ "anyOf": [{ "type": "string" }, { "type": "number" }] })");
+}
+
 TEST(Schema, AsksForTheTypeUnlessOneIsTheDefault) {
   const Value schema = sample_schema();
   EXPECT_EQ(at(schema, {"definitions", "light", "required"}), R"(["type"])");
