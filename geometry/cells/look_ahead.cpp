@@ -51,10 +51,10 @@ std::vector<double> vertex_contractions(const Mesh& mesh) {
 
 double longest_edge(const Mesh& mesh, std::uint32_t f) {
   const auto c = mesh.corners(f);
-  double longest = 0;
-  for (std::size_t i = 0; i < c.size(); ++i)
-    longest = std::max(longest, length(mesh.positions[c[i]] - mesh.positions[c[(i + 1) % c.size()]]));
-  return longest;
+  double longest = length_squared(mesh.positions[c.back()] - mesh.positions[c[0]]);
+  for (std::size_t i = 1; i < c.size(); ++i)
+    longest = std::max(longest, length_squared(mesh.positions[c[i]] - mesh.positions[c[i - 1]]));
+  return std::sqrt(longest);
 }
 
 // What analysis needs of groups of faces: of all within one ring of a group, and within two. A ring is the faces that
@@ -71,16 +71,19 @@ class GroupRings {
     const auto around = around_vertices();
     const auto around_rings = around_border(around);
     ring1.resize(group_count);
-    ring2.resize(group_count);
+    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+      if (!is_border_[v] && groups_[v] < group_count) ring1[groups_[v]].join(vertex(v));
     for (std::uint32_t f = 0; f < group_of.size(); ++f) {
-      Surroundings &one = ring1[group_of[f]], &two = ring2[group_of[f]];
-      const Surroundings face = own(f);
-      one.join(face);
-      two.join(face);
+      double& edge = ring1[group_of[f]].edge;
+      edge = std::max(edge, longest_edge(mesh, f));
+    }
+    ring2 = ring1;
+    for (std::uint32_t f : border_faces_) {
+      if (f >= group_of.size()) continue;
       for (std::uint32_t v : mesh_.corners(f))
         if (is_border_[v]) {
-          one.join(around[place_[v]]);
-          two.join(around_rings[place_[v]]);
+          ring1[group_of[f]].join(around[place_[v]]);
+          ring2[group_of[f]].join(around_rings[place_[v]]);
         }
     }
   }
@@ -90,11 +93,13 @@ class GroupRings {
  private:
   static constexpr std::uint32_t far_from_border = ~0u;
 
-  Surroundings own(std::uint32_t f) const {
+  Surroundings vertex(std::uint32_t v) const {
+    return {Bounds3d{mesh_.positions[v], mesh_.positions[v]}, 0, contraction_[v], uv_[v], uv_[v]};
+  }
+  Surroundings face(std::uint32_t f) const {
     Surroundings s;
     s.edge = longest_edge(mesh_, f);
-    for (std::uint32_t v : mesh_.corners(f))
-      s.join({Bounds3d{mesh_.positions[v], mesh_.positions[v]}, 0, contraction_[v], uv_[v], uv_[v]});
+    for (std::uint32_t v : mesh_.corners(f)) s.join(vertex(v));
     return s;
   }
 
@@ -102,13 +107,13 @@ class GroupRings {
   // faces.
   void find_border(std::span<const std::uint32_t> group_of) {
     constexpr std::uint32_t none = ~0u, halo = ~1u;
-    std::vector<std::uint32_t> group(mesh_.vertex_count(), none);
+    groups_.resize(mesh_.vertex_count(), none);
     is_border_.resize(mesh_.vertex_count());
     for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
       const std::uint32_t g = f < group_of.size() ? group_of[f] : halo;
       for (std::uint32_t v : mesh_.corners(f)) {
-        if (group[v] != none && group[v] != g) is_border_[v] = true;
-        group[v] = g;
+        if (groups_[v] != none && groups_[v] != g) is_border_[v] = true;
+        groups_[v] = g;
       }
     }
     for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
@@ -124,11 +129,11 @@ class GroupRings {
   std::vector<Surroundings> around_vertices() const {
     std::vector<Surroundings> around(places_);
     for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
-      std::optional<Surroundings> face;
+      std::optional<Surroundings> own;
       for (std::uint32_t v : mesh_.corners(f)) {
         if (place_[v] == far_from_border) continue;
-        if (!face) face = own(f);
-        around[place_[v]].join(*face);
+        if (!own) own = face(f);
+        around[place_[v]].join(*own);
       }
     }
     return around;
@@ -148,6 +153,7 @@ class GroupRings {
   const Mesh& mesh_;
   const std::vector<Vec2d> uv_;
   const std::vector<double> contraction_;
+  std::vector<std::uint32_t> groups_;  // of vertices; at the border that of one of their faces
   std::vector<bool> is_border_;
   std::vector<std::uint32_t> border_faces_;  // with a vertex at the border
   std::vector<std::uint32_t> place_;         // of their vertices: in lists of what lies around
