@@ -6,8 +6,8 @@ The job: mesh (OBJ or PLY, or a .blend that holds it), save (a .blend to write i
 materials by name ({"type": "diffuse" | "metal" | "glass" | "emission", "color", "roughness", "ior", "strength",
 "image"}), camera (from, to, up, fov), size, samples (a list: one render each), max_bounces, sky (a colour), suns
 (direction, irradiance, angle in degrees), threads, image (EXR of the last render; may be missing).
-Prints "CYCLES {samples: [wall, processor]}", seconds of the renders alone, each with all that it builds. (With persistent
-data Blender 3.4 takes as many samples in every render as in the first.)
+Prints "CYCLES {samples: [wall, processor]}", seconds of the renders alone, each with all that it builds. (With
+persistent data Blender 3.4 takes as many samples in every render as in the first.)
 """
 import json
 import math
