@@ -11,15 +11,19 @@ namespace meristem {
 namespace {
 
 constexpr const char* variable = "GLIBC_TUNABLES";
-constexpr std::string_view tunable = "glibc.malloc.hugetlb";
+constexpr std::string_view malloc_tunables = "glibc.malloc.";
+// A huge page is cleared when it is handed out, so arrays that come and go are better kept: up to 32 MiB at the end of
+// the heap, and none of less is a mapping of its own.
+constexpr std::string_view wanted =
+    "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=33554432:glibc.malloc.trim_threshold=33554432";
 
 }  // namespace
 
 std::optional<std::string> tunables_for_huge_pages(std::string_view mode, const char* tunables) {
   std::string result = tunables ? tunables : "";
-  if (mode.find("[madvise]") == mode.npos || result.find(tunable) != result.npos) return {};
+  if (mode.find("[madvise]") == mode.npos || result.find(malloc_tunables) != result.npos) return {};
   if (!result.empty()) result += ':';
-  return result.append(tunable).append("=1");
+  return result.append(wanted);
 }
 
 void restart_with_huge_pages(char** argv) {

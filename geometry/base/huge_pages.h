@@ -10,8 +10,8 @@
 namespace meristem {
 
 // The GLIBC_TUNABLES with which a program that has `tunables` (null: none) should be started instead; nothing if it may
-// stay as it is: huge pages are everybody's or nobody's, or the tunable has been set, to whatever value. `mode`: the
-// text of /sys/kernel/mm/transparent_hugepage/enabled.
+// stay as it is: huge pages are everybody's or nobody's, or some of malloc's tunables have been set already. `mode`:
+// the text of /sys/kernel/mm/transparent_hugepage/enabled.
 std::optional<std::string> tunables_for_huge_pages(std::string_view mode, const char* tunables);
 
 // For the first line of main(): starts the program anew, in the same process, if that gains huge pages. Some 2 ms; goes
