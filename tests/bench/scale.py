@@ -70,7 +70,8 @@ def main():
         runs = [{n: render(options.meristem, n, pathlib.Path(folder)) for n in LEVELS} for _ in range(options.runs)]
     keys = ("first_pixel_s", "wall_s", "processor_s", "peak_rss_bytes")
     rows = {n: {key: statistics.median(run[n][key] for run in runs) for key in keys} for n in LEVELS}
-    print("| faces in full | faces expanded | first pixel | wall | processor | peak memory |\n|---|---|---|---|---|---|")
+    print("| faces in full | faces expanded | first pixel | wall | processor | peak memory |")
+    print("|---|---|---|---|---|---|")
     for n, row in rows.items():
         made = runs[0][n]["expansion"]["faces"]
         print(f"| {faces_in_full(n):.1e} | {made / 1e6:.1f} million | {row['first_pixel_s']:.2f} s | "
