@@ -71,6 +71,14 @@ VECTOR_CLONES void sum_up(const Strip& strip, Equations* equations) {
     }
 }
 
+// A colour that is this many times the mean of those it was fitted to, or one part in so many, is no fit but an
+// extrapolation: of light that one path in hundreds brings, over features that hardly vary.
+constexpr float trusted_factor = 8;
+
+float trusted(float fitted, float mean) {
+  return fitted * trusted_factor < mean || fitted > trusted_factor * mean ? mean : fitted;
+}
+
 // Solves the equations of one lane by Cholesky's decomposition for the first unknown of each right side: the colour in
 // the middle. In turned order it is the last, the one that forward substitution gives without going back.
 std::array<float, 3> value_in_the_middle(const Equations& e, int lane, float stiffness) {
@@ -96,7 +104,8 @@ std::array<float, 3> value_in_the_middle(const Equations& e, int lane, float sti
       for (int k = 0; k < i; ++k) y[i] -= l[i][k] * y[k];
       y[i] /= l[i][i];
     }
-    result[std::size_t(c)] = float(y[unknowns - 1] / l[unknowns - 1][unknowns - 1]);
+    const float fitted = float(y[unknowns - 1] / l[unknowns - 1][unknowns - 1]);
+    result[std::size_t(c)] = sum > 0 ? trusted(fitted, float(double(e.right[c][0][lane]) / sum)) : fitted;
   }
   return result;
 }
