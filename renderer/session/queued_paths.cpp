@@ -166,8 +166,12 @@ bool QueuedPaths::claim(Worker& worker) {
     if (failed_ || worker.exchange.stopped()) return false;
     begin_paths(worker);
     if (worker.claimed.empty() && !queues_.empty()) {
-      queues_.take_from_longest(most_claimed, worker.claimed);
-      ++statistics_.served;
+      // The longest queue and the oldest in turns. By length alone, paths of rare cells end last, keep their memory
+      // from others, and leave pixels without any sample if the render is stopped; by age alone, few share a cell.
+      if (++statistics_.served % 2 == 0)
+        queues_.take_from_oldest(most_claimed, worker.claimed);
+      else
+        queues_.take_from_longest(most_claimed, worker.claimed);
     }
     if (!worker.claimed.empty()) {
       ++working_;

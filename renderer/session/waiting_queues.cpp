@@ -30,7 +30,12 @@ void WaitingQueues::sink(std::size_t at) {
 void WaitingQueues::add(Key name, std::uint32_t id) {
   if (id >= next_.size()) next_.resize(std::max<std::size_t>(id + 1, 2 * next_.size()), nobody);
   const auto [entry, is_new] = places_.try_emplace(name, heap_.size());
-  if (is_new) heap_.push_back({name, 0, nobody});
+  if (is_new) {
+    heap_.push_back({name, 0, nobody, ++queues_begun_});
+    beginnings_.push_back({name, queues_begun_});
+    constexpr std::size_t few = 1024;
+    if (beginnings_.size() > few + 2 * heap_.size()) std::erase_if(beginnings_, [&](auto& b) { return !lasts(b); });
+  }
   Queue& queue = heap_[entry->second];
   next_[id] = queue.last;
   queue.last = id;
@@ -39,8 +44,21 @@ void WaitingQueues::add(Key name, std::uint32_t id) {
 }
 
 void WaitingQueues::take_from_longest(std::size_t most, std::vector<std::uint32_t>& ids) {
-  if (heap_.empty()) return;
-  Queue& queue = heap_[0];
+  if (!heap_.empty()) take_from(0, most, ids);
+}
+
+void WaitingQueues::take_from_oldest(std::size_t most, std::vector<std::uint32_t>& ids) {
+  while (!beginnings_.empty() && !lasts(beginnings_.front())) beginnings_.pop_front();
+  if (!beginnings_.empty()) take_from(places_[beginnings_.front().name], most, ids);
+}
+
+bool WaitingQueues::lasts(const Beginning& b) const {
+  const auto place = places_.find(b.name);
+  return place != places_.end() && heap_[place->second].since == b.since;
+}
+
+void WaitingQueues::take_from(std::size_t at, std::size_t most, std::vector<std::uint32_t>& ids) {
+  Queue& queue = heap_[at];
   for (; most > 0 && queue.length > 0; --most, --queue.length) {
     ids.push_back(queue.last);
     queue.last = next_[queue.last];
@@ -49,15 +67,17 @@ void WaitingQueues::take_from_longest(std::size_t most, std::vector<std::uint32_
     places_.erase(queue.name);
     const Queue last = heap_.back();
     heap_.pop_back();
-    if (heap_.empty()) return;
-    place(last, 0);
+    if (at == heap_.size()) return;
+    place(last, at);
+    lift(at);
   }
-  sink(0);
+  sink(at);
 }
 
 std::size_t WaitingQueues::bytes() const {
   constexpr std::size_t node_bytes = 48;  // of the map
-  return heap_.capacity() * sizeof(Queue) + places_.size() * node_bytes + next_.capacity() * sizeof(std::uint32_t);
+  return heap_.capacity() * sizeof(Queue) + places_.size() * node_bytes + next_.capacity() * sizeof(std::uint32_t) +
+         beginnings_.size() * sizeof(Beginning);
 }
 
 }  // namespace meristem
