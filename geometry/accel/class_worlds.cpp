@@ -89,6 +89,12 @@ RayRoute ClassWorlds::route(const Ray& ray) const {
   return {*near.objects, *far.objects, float(near_footprints * size / double(length(ray.direction)))};
 }
 
+Bounds3f ClassWorlds::bounds() const {
+  Bounds3f all;
+  for (const World& world : worlds_) all.extend(world.objects->bounds());
+  return all;
+}
+
 std::vector<const ModelRoot*> ClassWorlds::roots() const {
   std::vector<const ModelRoot*> all;
   for (const World& world : worlds_) {

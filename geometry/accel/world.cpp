@@ -122,7 +122,7 @@ class World final : public Intersector {
     const GeometryCache::ThreadCounts counts = cache_.thread_counts();
     return {counts.expansions, counts.reexpansions, counts.acquired};
   }
-  Bounds3f bounds() const override { return worlds_->camera().bounds(); }
+  Bounds3f bounds() const override { return worlds_->bounds(); }
 
   ExpansionStatistics statistics() const override {
     ExpansionStatistics s;
@@ -177,7 +177,7 @@ class World final : public Intersector {
       invalid_rays_.fetch_add(1, std::memory_order_relaxed);
       return false;
     }
-    if (worlds_->camera().list().empty()) return false;
+    if (worlds_->empty()) return false;
     query = {ray.origin.x,
              ray.origin.y,
              ray.origin.z,

@@ -8,8 +8,7 @@
 // (Angstrom's law).
 //
 // The observer stands on the ground; directions have y up; lengths inside are kilometres. The sun's irradiance above
-// the atmosphere is 1 in each channel. The constructor takes some 20 ms, shared among all threads, for its tables; then
-// immutable: any thread.
+// the atmosphere is 1 in each channel. The constructor makes its tables on all threads; then immutable: any thread.
 #pragma once
 
 #include "geometry/base/vec.h"

@@ -146,6 +146,15 @@ TEST_F(WholeProgram, RefusesMissingSections) {
   expect_refused(R"({ "objects": [ {} ], "camera": {} })", {"\"model\""});
 }
 
+TEST_F(WholeProgram, RefusesWrongRayClassDetail) {
+  const auto with = [](const std::string& detail) {
+    return R"({ "camera": {}, "render": { "ray_class_detail": )" + detail + " } }";
+  };
+  expect_refused(with("4"), {"a.jsonc:1:", "\"ray_class_detail\" is an object such as"});
+  expect_refused(with(R"({ "difuse": 4 })"), {"difuse", "did you mean \"diffuse\"?"});
+  expect_refused(with(R"({ "shadow": 0 })"), {"shadow", "0.01"});
+}
+
 TEST_F(WholeProgram, RefusesMoreThan64Levels) {
   const auto subdivide = [](int times) {
     std::string steps;
