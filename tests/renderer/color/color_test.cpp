@@ -1,4 +1,5 @@
 #include "renderer/color/color.h"
+#include "tests/renderer/image/scratch_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -116,11 +117,10 @@ class EnvironmentConfig : public testing::Test {
     std::ofstream(path_) << text;
     ::setenv("OCIO", path_.c_str(), 1);
   }
-  void TearDown() override {
-    ::unsetenv("OCIO");
-    std::remove(path_.c_str());
-  }
-  std::string path_ = testing::TempDir() + "meristem-color-test.ocio";
+  void TearDown() override { ::unsetenv("OCIO"); }
+
+  const ScratchFolder folder_;
+  const std::string path_ = folder_ / "config.ocio";
 };
 
 // White is the same in both spaces; the green primary of Rec.709 in ACEScg: column 2 of the matrix sRGB to AP1 (D65 to

@@ -47,7 +47,7 @@ TEST_P(ShippedScenes, LazyAndEagerAreTheSameBits) {
 
 INSTANTIATE_TEST_SUITE_P(Figures, ShippedScenes,
                          testing::Values("branch", "bush", "cactus", "candle-holder", "chair", "ivy", "mesh-growing",
-                                         "subdivision", "tree-branch"),
+                                         "mist", "samara", "subdivision", "tree-branch"),
                          [](const auto& scene) {
                            std::string name = scene.param;
                            std::replace(name.begin(), name.end(), '-', '_');
