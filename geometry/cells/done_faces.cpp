@@ -35,12 +35,7 @@ std::optional<DoneFaces> take_done_faces(const Model& model, CellMesh& cell, int
   }
   if (double(done_faces.size()) < worth_taking * cell.owned_faces) return {};
   done.mesh = extract_faces(mesh, done_faces);
-  const auto owned = std::uint32_t(others.size());
-  others.insert(others.end(), done_faces.begin(), done_faces.end());
-  for (std::uint32_t f = cell.owned_faces; f < mesh.face_count(); ++f) others.push_back(f);
-  cell.mesh = extract_faces(mesh, others);
-  cell.owned_faces = owned;
-  trim_halo(cell, model.halo_rings(level));
+  cell = cell_of_faces(cell, others, model.halo_rings(level));
   squares = std::move(rest);
   return done;
 }

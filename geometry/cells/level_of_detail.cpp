@@ -71,16 +71,24 @@ void for_each_owned_vertex(const CellMesh& cell, Visit visit) {
 // One pass of freezing over a cell.
 class Freezing {
  public:
-  Freezing(const Model& model, CellMesh& cell, int level)
-      : model_(model), cell_(cell), mesh_(cell.mesh), level_(level), is_candidate_(cell.mesh.vertex_count(), false) {}
+  Freezing(const Model& model, CellMesh& cell, int level, std::vector<std::uint8_t>* wanted)
+      : model_(model),
+        cell_(cell),
+        mesh_(cell.mesh),
+        level_(level),
+        wanted_(wanted),
+        is_candidate_(cell.mesh.vertex_count(), false) {}
 
   // Returns whether every owned vertex is frozen or a candidate.
   bool find_candidates() {
     std::size_t active = 0;
     for_each_owned_vertex(cell_, [&](std::uint32_t v) {
+      if (wanted_) (*wanted_)[v] = 0;
       if (is_frozen(mesh_, v)) return;
-      is_candidate_[v] =
-          is_fine_enough(model_, mesh_.nominal_scale[v], cell_.footprint->at(mesh_.positions[v]), level_);
+      const double scale = mesh_.nominal_scale[v], footprint = cell_.footprint->at(mesh_.positions[v]);
+      is_candidate_[v] = is_fine_enough(model_, scale, footprint, level_);
+      if (wanted_ && !is_candidate_[v])
+        (*wanted_)[v] = std::uint8_t(refinements_until_fine(model_, scale, footprint, level_));
       candidates_ += is_candidate_[v];
       active += !is_candidate_[v];
     });
@@ -121,6 +129,7 @@ class Freezing {
   CellMesh& cell_;
   Mesh& mesh_;
   const int level_;
+  std::vector<std::uint8_t>* const wanted_;
   std::vector<bool> is_candidate_;
   std::size_t candidates_ = 0;
 };
@@ -136,11 +145,12 @@ double thinned_faces(const Model& model, const CellMesh& cell, std::uint32_t fac
 
 }  // namespace
 
-bool freeze_vertices(const Model& model, CellMesh& cell, int level) {
+bool freeze_vertices(const Model& model, CellMesh& cell, int level, std::vector<std::uint8_t>* wanted) {
+  if (wanted) wanted->assign(cell.mesh.vertex_count(), std::uint8_t(model.trailing_refinements(level)));
   if (!cell.footprint) return false;
   measure_nominal_scale(model, cell, level);
   if (model.drops_faces_later(level)) return false;  // which of the faces will be shown is not known yet
-  Freezing freezing(model, cell, level);
+  Freezing freezing(model, cell, level, wanted);
   if (freezing.find_candidates()) return true;
   freezing.freeze();
   return false;
@@ -178,17 +188,6 @@ double wanted_faces(const Model& model, const CellMesh& cell, std::uint32_t face
     --refinements;
   }
   return faces;
-}
-
-int wanted_refinements(const Model& model, const CellMesh& cell, int level) {
-  if (!cell.footprint) return model.trailing_refinements(level);
-  int most = 0;
-  for_each_owned_vertex(cell, [&](std::uint32_t v) {
-    if (is_frozen(cell.mesh, v)) return;
-    most = std::max(most, refinements_until_fine(model, cell.mesh.nominal_scale[v],
-                                                 cell.footprint->at(cell.mesh.positions[v]), level));
-  });
-  return most;
 }
 
 void measure_nominal_scale(const Model& model, CellMesh& cell, int level) {

@@ -16,7 +16,9 @@ namespace meristem {
 
 // Freezes what is fine enough in a cell before step `level`; returns whether every vertex of its owned faces is frozen
 // now or would be: then the cell is final as it is (and nothing new has been marked). False without a footprint.
-bool freeze_vertices(const Model& model, CellMesh& cell, int level);
+// `wanted`, if given, becomes by vertex how many refinements it still wants, were it not to move (of vertices of the
+// halo alone, and without a footprint: all that are left).
+bool freeze_vertices(const Model& model, CellMesh& cell, int level, std::vector<std::uint8_t>* wanted = nullptr);
 
 // Takes the symbols of faces on which everything that will ever grow is smaller than the footprint. They carry none
 // then, as far as a sign tells, but remember which it was: for rules that ask what stands beside them.
@@ -28,9 +30,6 @@ constexpr std::int16_t symbol_before_omission(std::int16_t symbol) {
 
 // About how many final faces come of a face of a cell before step `level`. For cutting cells only.
 double wanted_faces(const Model& model, const CellMesh& cell, std::uint32_t face, int level);
-
-// The most refinements that a vertex of the owned faces still wants, were it not to move.
-int wanted_refinements(const Model& model, const CellMesh& cell, int level);
 
 // Measures the nominal scale of vertices that have none yet: the mean over their faces of the mean diagonal. All are
 // measured anew two refinements after growth or the base mesh: most of what smoothing takes off a coarse cage is gone

@@ -12,6 +12,7 @@
 #include "geometry/mesh/refine_plan.h"
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -94,8 +95,12 @@ class Step {
   virtual std::optional<RefineOptions> refinement() const { return {}; }
 };
 
-// Computes rings[] by breadth-first search from the owned faces over shared vertices, drops faces beyond max_ring and
-// unused vertices, keeps the order of faces otherwise but sorts by ring (stable).
+// A cell of the listed owned faces of another (ascending). All others become its halo as far as `max_ring` rings reach;
+// faces beyond are dropped, as are vertices that no face uses. Computes rings[]; faces stay in order but are sorted by
+// ring (stable).
+CellMesh cell_of_faces(const CellMesh& cell, std::span<const std::uint32_t> owned, int max_ring);
+
+// Drops what lies beyond so many rings of the owned faces, in the same way.
 void trim_halo(CellMesh& cell, int max_ring);
 
 }  // namespace meristem

@@ -66,6 +66,7 @@ class PlanBuilder {
 
   void find_children(std::uint32_t owned, int rings_after) {
     const std::vector<std::uint8_t> rings = face_rings(mesh_, owned, (rings_after + 2) / 2);
+    children_.reserve(mesh_.corner_vertices.size() + mesh_.face_count() / 2);
     for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
       if (rings[f] == unreached_ring) continue;
       if (options_.scheme == Scheme::CatmullClark)
@@ -140,7 +141,14 @@ class PlanBuilder {
   void keep_faces(int rings_after) {
     computed_index_.assign(number_.count(), Plan::none);
     const std::vector<std::uint8_t> rings = child_rings(rings_after);
-    plan_.face_starts = {0};
+    const auto kept = std::size_t(std::ranges::count_if(rings, [](std::uint8_t r) { return r != unreached_ring; }));
+    computed_source_.reserve(kept + kept / 4);
+    plan_.corner_vertices.reserve(kept * corner_count());
+    plan_.face_starts.reserve(kept + 1);
+    plan_.face_parents.reserve(kept);
+    plan_.face_child_index.reserve(kept);
+    plan_.rings.reserve(kept);
+    plan_.face_starts.push_back(0);
     const bool sharp = sharpness_.any_user_sharpness();
     for (int ring = 0; ring <= rings_after; ++ring)
       for (std::size_t c = 0; c < children_.size(); ++c) {
@@ -168,6 +176,7 @@ class PlanBuilder {
 
   void add_normal_faces() {
     plan_.corners_per_face = corner_count();
+    plan_.normal_faces.reserve(plan_.corner_vertices.size() + plan_.corner_vertices.size() / 4);
     for (const Child& child : children_) {
       const bool touches_kept = std::any_of(child.corners, child.corners + corner_count(),
                                             [&](std::uint32_t n) { return computed_index_[n] < plan_.kept_vertices; });

@@ -6,19 +6,23 @@ namespace meristem {
 
 std::vector<std::uint8_t> face_rings(const Mesh& mesh, std::uint32_t owned_faces, int max_ring) {
   std::vector<std::uint8_t> rings(mesh.face_count(), unreached_ring);
-  std::vector<std::uint8_t> touched(mesh.vertex_count(), 0);
   std::fill_n(rings.begin(), owned_faces, std::uint8_t(0));
-  for (int ring = 1; ring <= max_ring && owned_faces < mesh.face_count(); ++ring) {
+  if (owned_faces < mesh.face_count()) find_rings(mesh, rings, max_ring);
+  return rings;
+}
+
+void find_rings(const Mesh& mesh, std::vector<std::uint8_t>& rings, int max_ring) {
+  std::vector<std::uint8_t> touched(mesh.vertex_count(), 0);
+  for (int ring = 1; ring <= max_ring; ++ring) {
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
       if (rings[f] == ring - 1)
         for (std::uint32_t v : mesh.corners(f)) touched[v] = 1;
-    for (std::uint32_t f = owned_faces; f < mesh.face_count(); ++f) {
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
       if (rings[f] != unreached_ring) continue;
       for (std::uint32_t v : mesh.corners(f))
         if (touched[v]) rings[f] = std::uint8_t(ring);
     }
   }
-  return rings;
 }
 
 }  // namespace meristem

@@ -14,4 +14,7 @@ constexpr std::uint8_t unreached_ring = 255;
 // ...); unreached_ring beyond max_ring. Linear in the mesh for each ring.
 std::vector<std::uint8_t> face_rings(const Mesh& mesh, std::uint32_t owned_faces, int max_ring);
 
+// The same around any faces: `rings` is 0 at these and unreached_ring elsewhere, and is filled in.
+void find_rings(const Mesh& mesh, std::vector<std::uint8_t>& rings, int max_ring);
+
 }  // namespace meristem

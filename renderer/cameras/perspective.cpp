@@ -44,17 +44,28 @@ std::optional<Vec2f> Perspective::project(Vec3d position, int width, int height)
                float(0.5 * height - dot(v, Vec3d(up_)) * scale + double(shift_y_) * height));
 }
 
+namespace {
+
+// The arc cosine to 7e-5 (Abramowitz and Stegun, 4.4.45): level of detail asks for many.
+float quick_acos(float x) {
+  const float a = std::abs(x);
+  const float angle = std::sqrt(1 - a) * (1.5707288f + a * (-0.2121144f + a * (0.0742610f - a * 0.0187293f)));
+  return x < 0 ? float(pi) - angle : angle;
+}
+
+}  // namespace
+
 float Perspective::footprint(Vec3f position, int width, int height) const {
   const Vec3f v = position - origin_;
-  const float distance = length(v);
-  const float z = dot(v, forward_);
-  const float half_width = half_height_ * float(width) / float(height);
-  const float corner = std::hypot(half_width + 2 * half_height_ * std::abs(shift_x_),
-                                  half_height_ + 2 * half_height_ * std::abs(shift_y_));
-  const float cone_cosine = 1 / std::sqrt(1 + corner * corner);
+  const float z = dot(v, forward_), distance_squared = dot(v, v);
   const float pixel = 2 * half_height_ / float(height);
-  if (z >= distance * cone_cosine) return pixel * z;
-  const float outside = std::acos(std::clamp(z / distance, -1.f, 1.f)) - std::acos(cone_cosine);
+  // The cone around the view direction that holds the image
+  const float x = half_height_ * (float(width) / float(height) + 2 * std::abs(shift_x_));
+  const float y = half_height_ * (1 + 2 * std::abs(shift_y_));
+  const float secant_squared = 1 + x * x + y * y;
+  if (z >= 0 && z * z * secant_squared >= distance_squared) return pixel * z;
+  const float distance = std::sqrt(distance_squared), cone_cosine = 1 / std::sqrt(secant_squared);
+  const float outside = quick_acos(std::max(z / distance, -1.f)) - quick_acos(cone_cosine);
   return pixel * distance * cone_cosine * (1 + 2 * std::max(0.f, outside));
 }
 

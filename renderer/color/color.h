@@ -1,4 +1,4 @@
-// From scene-linear light to what a display shows; the one place that includes OpenColorIO.
+// From scene-linear light to what a display shows, by OpenColorIO (renderer/color/ocio).
 //
 // The configuration is made in code from OpenColorIO's built-in transforms, so no file has to be installed: the working
 // space is scene-linear Rec.709 ("Linear Rec.709 (sRGB)"), with ACEScg and ACES2065-1 beside it. The displays are sRGB
@@ -23,6 +23,8 @@ class ColorError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+class ColorTransform;
+
 class DisplayTransform {
  public:
   // `view` and `display` by name, in any case; empty: the default. `exposure` in stops: each doubles the light before
@@ -39,8 +41,7 @@ class DisplayTransform {
   static std::vector<std::string> views();
 
  private:
-  struct Processors;
-  std::unique_ptr<Processors> processors_;
+  std::unique_ptr<const ColorTransform> transform_;
 };
 
 }  // namespace meristem

@@ -33,8 +33,8 @@ class ByteWriter {
     put(std::uint64_t(text.size()));
     bytes_.append(text);
   }
-  template <class T>
-  void put_array(const std::vector<T>& values) {
+  template <class T, class Allocator>
+  void put_array(const std::vector<T, Allocator>& values) {
     static_assert(std::is_trivially_copyable_v<T>);
     put(std::uint64_t(values.size()));
     bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
@@ -66,9 +66,14 @@ class ByteReader {
   std::string get_text() { return std::string(take(get<std::uint64_t>())); }
   template <class T>
   std::vector<T> get_array() {
+    return get_array_as<std::vector<T>>();
+  }
+  template <class Vector>
+  Vector get_array_as() {
+    using T = typename Vector::value_type;
     const auto count = get<std::uint64_t>();
     if (count > rest_.size() / sizeof(T)) throw DamagedBytes();
-    std::vector<T> values(count);
+    Vector values(count);
     if (count > 0) std::memcpy(static_cast<void*>(values.data()), take(count * sizeof(T)).data(), count * sizeof(T));
     return values;
   }

@@ -13,6 +13,7 @@
 #include "renderer/film/exact_sum.h"
 #include "renderer/film/matte.h"
 #include "renderer/film/pixel_window.h"
+#include "renderer/film/zeroed_vector.h"
 #include "renderer/image/image.h"
 #include "renderer/scene/aov.h"
 #include "renderer/scene/interfaces.h"
@@ -123,13 +124,13 @@ class Film {
   PixelWindow window_;
   float mean_weight_;
   std::vector<Aov> aovs_;
-  std::vector<Pixel> pixels_;
+  ZeroedVector<Pixel> pixels_;
   // Empty if not wanted
-  std::vector<ExactSum> squares_;  // of luminance
-  std::vector<Half> second_halves_;
-  std::vector<Surfaces> surfaces_;
-  std::vector<Nearest> nearest_;
-  std::vector<Cost> costs_;
+  ZeroedVector<ExactSum> squares_;  // of luminance
+  ZeroedVector<Half> second_halves_;
+  ZeroedVector<Surfaces> surfaces_;
+  ZeroedVector<Nearest> nearest_;
+  ZeroedVector<Cost> costs_;
   std::array<Matte, matte_count> mattes_;  // of objects, materials, productions
 };
 

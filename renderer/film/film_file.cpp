@@ -151,8 +151,8 @@ class FilmStorage {
 
  private:
   template <class T>
-  static void replace(std::vector<T>& values, ByteReader& in) {
-    std::vector<T> read = in.get_array<T>();
+  static void replace(ZeroedVector<T>& values, ByteReader& in) {
+    auto read = in.get_array_as<ZeroedVector<T>>();
     if (read.size() != values.size()) throw DamagedBytes();
     values = std::move(read);
   }

@@ -40,7 +40,8 @@ double mie_phase(double c) {
 
 }  // namespace
 
-Atmosphere::Atmosphere(double turbidity, Vec3d ground_albedo) : ground_albedo_(ground_albedo) {
+Atmosphere::Atmosphere(double turbidity, Vec3d ground_albedo, Vec3d to_sun)
+    : to_sun_(to_sun), ground_albedo_(ground_albedo) {
   const double beta = 0.04608 * turbidity - 0.04586;
   for (int i = 0; i < 3; ++i) mie_scattering_[i] = mie_albedo * beta * std::pow(wavelengths[i], -1.3) / mie_height;
   fill_transmittance();
@@ -69,20 +70,21 @@ Vec3d Atmosphere::Table::at(double x, double y) const {
 // extremes.
 void Atmosphere::fill_transmittance() {
   constexpr int steps = 48;
-  transmittance_ = {96, 24, {}};
+  constexpr int width = 96, height = 24;
+  transmittance_ = {width, height, std::vector<Vec3d>(width * height)};
   const double horizon_of_top = std::sqrt(top * top - ground * ground);
-  for (int y = 0; y < transmittance_.height; ++y) {
-    const double horizon = horizon_of_top * y / (transmittance_.height - 1);
+  parallel_for(height, [&](std::size_t y) {
+    const double horizon = horizon_of_top * double(y) / (height - 1);
     const double radius = std::sqrt(horizon * horizon + ground * ground);
-    for (int x = 0; x < transmittance_.width; ++x) {
+    for (int x = 0; x < width; ++x) {
       const double nearest = top - radius, farthest = horizon + horizon_of_top;
-      const double d = nearest + (farthest - nearest) * x / (transmittance_.width - 1);
+      const double d = nearest + (farthest - nearest) * x / (width - 1);
       const double c = d > 0 ? std::clamp((top * top - radius * radius - d * d) / (2 * radius * d), -1.0, 1.0) : 1;
       Vec3d sum;
       for (int i = 0; i < steps; ++i) sum += medium(radius_along(radius, c, (i + 0.5) / steps * d)).extinction;
-      transmittance_.values.push_back(sum * (d / steps));
+      transmittance_.values[y * width + std::size_t(x)] = sum * (d / steps);
     }
-  }
+  });
 }
 
 Vec3d Atmosphere::optical_depth(double radius, double cosine) const {
@@ -147,9 +149,15 @@ void Atmosphere::fill_multiple_scattering() {
     radii.push_back(ground + std::clamp(h, 1e-3, top - ground - 1e-3));
     for (int i = 0; i < rings; ++i) around[std::size_t(y)].push_back(ring(radii.back(), 1 - 2 * (i + 0.5) / rings));
   }
-  parallel_for(width * height, [&](std::size_t i) {
-    const double sun_cosine = -1 + 2.0 * double(i % width) / (width - 1);
-    multiple_scattering_.values[i] = gathered(around[i / width], radii[i / width], sun_cosine);
+  // From the end of a line of sight the sun stands higher or lower by the turn of the vertical at most
+  const double zenith_angle = std::acos(std::clamp(to_sun_.y, -1.0, 1.0)), turn = std::acos(ground / top);
+  const auto column = [](double angle) { return (std::cos(std::clamp(angle, 0.0, pi)) + 1) / 2 * (width - 1); };
+  const int first = int(column(zenith_angle + turn)), last = std::min(width - 1, int(column(zenith_angle - turn)) + 1);
+  const std::size_t columns = std::size_t(last - first + 1);
+  parallel_for(columns * height, [&](std::size_t i) {
+    const std::size_t x = std::size_t(first) + i % columns, y = i / columns;
+    const double sun_cosine = -1 + 2.0 * double(x) / (width - 1);
+    multiple_scattering_.values[y * width + x] = gathered(around[y], radii[y], sun_cosine);
   });
 }
 
@@ -189,16 +197,20 @@ std::vector<Atmosphere::Piece> Atmosphere::line_of_sight(double sine) const {
   return pieces(ground, sine, distance_to_outer(ground, sine, top), steps, through);
 }
 
-Vec3d Atmosphere::sky_radiance(const std::vector<Piece>& line_of_sight, double between, Vec3d to_sun) const {
-  const double p_rayleigh = rayleigh_phase(between), p_mie = mie_phase(between);
-  Vec3d sum;
+Atmosphere::Scattered Atmosphere::scattered(const std::vector<Piece>& line_of_sight, double between) const {
+  Scattered sum;
   for (const Piece& p : line_of_sight) {
-    const double sun_cosine = (ground * to_sun.y + p.distance * between) / p.radius;
-    const Vec3d source = sunlight(p.radius, sun_cosine) * (p.rayleigh * p_rayleigh + p.mie * p_mie) +
-                         multiple_scattering(p.radius, sun_cosine) * (p.rayleigh + p.mie);
-    sum += p.through * source * p.seen_length;
+    const double sun_cosine = (ground * to_sun_.y + p.distance * between) / p.radius;
+    const Vec3d seen = p.through * p.seen_length, lit = sunlight(p.radius, sun_cosine) * seen;
+    sum.rayleigh += lit * p.rayleigh;
+    sum.mie += lit * p.mie;
+    sum.multiple += multiple_scattering(p.radius, sun_cosine) * (p.rayleigh + p.mie) * seen;
   }
   return sum;
+}
+
+Vec3d Atmosphere::sky_radiance(const Scattered& s, double between) {
+  return s.rayleigh * rayleigh_phase(between) + s.mie * mie_phase(between) + s.multiple;
 }
 
 }  // namespace meristem

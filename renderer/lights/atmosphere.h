@@ -19,8 +19,8 @@ namespace meristem {
 
 class Atmosphere {
  public:
-  // turbidity from 1 (pure air) to 10 (thick haze); ground_albedo lights the air from below.
-  Atmosphere(double turbidity, Vec3d ground_albedo);
+  // turbidity from 1 (pure air) to 10 (thick haze); ground_albedo lights the air from below; to_sun: a unit vector.
+  Atmosphere(double turbidity, Vec3d ground_albedo, Vec3d to_sun);
 
   // The part of a ray's light from beyond the atmosphere that reaches the ground; zero from below the horizon.
   Vec3d transmittance(Vec3d direction) const;
@@ -35,8 +35,17 @@ class Atmosphere {
   };
   // What a direction whose sine of the elevation is `sine`, at least 0, looks through.
   std::vector<Piece> line_of_sight(double sine) const;
-  // Radiance of the air along a line of sight, the sun itself left out; `between`: the cosine between it and the sun.
-  Vec3d sky_radiance(const std::vector<Piece>& line_of_sight, double between, Vec3d to_sun) const;
+  // What the air along a line of sight scatters towards the observer, before the phase functions. While the sun's light
+  // reaches all of it, it varies slowly with `between`, the cosine between it and the sun.
+  struct Scattered {
+    Vec3d rayleigh, mie, multiple;
+  };
+  Scattered scattered(const std::vector<Piece>& line_of_sight, double between) const;
+  // The radiance of that air, the sun itself left out.
+  static Vec3d sky_radiance(const Scattered& scattered, double between);
+  // Whether the sun lights all that can be seen from the ground: the horizon at the top of the air dips by 10.2
+  // degrees.
+  bool is_all_lit() const { return to_sun_.y > 0.2; }
 
  private:
   struct Table {
@@ -61,10 +70,10 @@ class Atmosphere {
   Ring ring(double radius, double cosine) const;
   Vec3d gathered(const std::vector<Ring>& rings, double radius, double sun_cosine) const;
 
+  const Vec3d to_sun_, ground_albedo_;
   Vec3d mie_scattering_;
-  Vec3d ground_albedo_;
   Table transmittance_;        // optical depth to the top, by distance to the top and height
-  Table multiple_scattering_;  // by sun cosine and height
+  Table multiple_scattering_;  // by sun cosine and height; only the columns that can be asked for
 };
 
 }  // namespace meristem

@@ -44,7 +44,7 @@ class Sky : public Light {
   }
 
   void prepare() override {
-    const Atmosphere atmosphere(turbidity_, ground_albedo_);
+    const Atmosphere atmosphere(turbidity_, ground_albedo_, to_sun_);
     tabulate_sky(atmosphere);
     tabulate_sun(atmosphere);
     finish();
@@ -77,6 +77,7 @@ class Sky : public Light {
 
  private:
   static constexpr int columns = 256, rows = 64;  // columns around the whole horizon
+  static constexpr int columns_a_node = 4;
 
   // Table coordinates of a direction above the horizon: x around from the sun, y the root of the elevation.
   Vec2f to_table(Vec3f d) const {
@@ -92,18 +93,39 @@ class Sky : public Light {
   // Steradians in a unit of table area: cos(elevation) d(turn) d(elevation) = cos(elevation) (2 pi dx) (pi y dy).
   static float solid_angle_density(float y) { return 2 * pi_f * pi_f * y * std::cos(pi_f / 2 * y * y); }
 
-  // Values stand at column centres and at row edges, so that the horizon and the zenith have their own.
+  // Values stand at column centres and at row edges, so that the horizon and the zenith have their own. Only the phase
+  // functions are sharp: where no shadow of the Earth is in sight, the air is integrated at every fourth column's edge.
   void tabulate_sky(const Atmosphere& atmosphere) {
     table_.resize(std::size_t(columns) * (rows + 1));
     parallel_for(rows + 1, [&](std::size_t y) {
       const auto line_of_sight = atmosphere.line_of_sight(from_table(0, double(y) / rows).y);
+      const auto between = [&](double x) { return dot(from_table(x / columns, double(y) / rows), to_sun_); };
+      std::vector<Atmosphere::Scattered> nodes;
+      if (atmosphere.is_all_lit())
+        for (int node = -1; node <= columns / 2 / columns_a_node + 1; ++node)
+          nodes.push_back(atmosphere.scattered(line_of_sight, between(node * columns_a_node)));
       for (std::size_t x = 0; x < columns / 2; ++x) {
-        const Vec3d d = from_table((double(x) + 0.5) / columns, double(y) / rows);
-        const Spectrum value(atmosphere.sky_radiance(line_of_sight, dot(d, to_sun_), to_sun_) *
-                             (solar_irradiance * intensity_));
+        const double cosine = between(double(x) + 0.5);
+        const auto scattered = nodes.empty() ? atmosphere.scattered(line_of_sight, cosine) : between_nodes(nodes, x);
+        const Spectrum value(Atmosphere::sky_radiance(scattered, cosine) * (solar_irradiance * intensity_));
         table_[y * columns + x] = table_[y * columns + columns - 1 - x] = value;
       }
     });
+  }
+
+  // At the centre of a column, by the cubic through the two nodes on each side; node 1 stands at 0.
+  static Atmosphere::Scattered between_nodes(const std::vector<Atmosphere::Scattered>& nodes, std::size_t column) {
+    const Atmosphere::Scattered* n = nodes.data() + column / columns_a_node;
+    const double t = (double(column % columns_a_node) + 0.5) / columns_a_node;
+    const double weights[] = {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2,
+                              (t + 1) * t * (t - 1) / 6};
+    Atmosphere::Scattered sum;
+    for (int i = 0; i < 4; ++i) {
+      sum.rayleigh += n[i].rayleigh * weights[i];
+      sum.mie += n[i].mie * weights[i];
+      sum.multiple += n[i].multiple * weights[i];
+    }
+    return sum;
   }
 
   // The sun's light without limb darkening along the vertical line through its disk: air reddens its lower limb.

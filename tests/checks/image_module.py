@@ -14,8 +14,8 @@ SCENE = '{ "camera": { "from": [0, 0, 1], "to": [0, 0, 0] }, "render": { "size":
 def main():
     program = pathlib.Path(sys.argv[1]).resolve()
     libraries = subprocess.run(["ldd", program], capture_output=True, text=True, check=True).stdout
-    if "OpenImageIO" in libraries:
-        return f"{program} is linked with OpenImageIO: half a second at every start"
+    if "OpenImageIO" in libraries or "OpenColorIO" in libraries:
+        return f"{program} is linked with OpenImageIO or OpenColorIO: up to half a second at every start"
     with tempfile.TemporaryDirectory() as folder:
         alone = pathlib.Path(folder) / "meristem"
         try:

@@ -37,7 +37,7 @@ ONE_PLACE = {
     r"embree[34]/": "geometry/accel",
     r"(openvdb|nanovdb)/": "geometry/volumes",
     r"(OpenImageIO|OpenEXR|Imath)/": "renderer/image",
-    r"OpenColorIO/": "renderer/color",
+    r"OpenColorIO/": "renderer/color/ocio",
     r"CLI/": "renderer/cli",
 }
 

@@ -63,6 +63,26 @@ TEST(Expansion, BoundsContainWhatGrowsInThem) {
   EXPECT_GT(cells, 10000);
 }
 
+// Fine at a corner, coarse elsewhere.
+class CornerFootprint final : public Footprint {
+ public:
+  double at(Vec3d p) const override { return 0.003 + 0.03 * length(p - Vec3d{1, 1, 1}); }
+};
+
+TEST(Expansion, BoundsContainWhatComesOfAMeshThatIsBoundedInParts) {
+  const CornerFootprint corner;
+  for (const Footprint* footprint : {static_cast<const Footprint*>(nullptr), static_cast<const Footprint*>(&corner)}) {
+    const auto model = bumpy_model(shapes::cube(), footprint ? 9 : 7, 0.5, {16, 1u << 16});
+    const CellMesh root = root_cell(*model, footprint);
+    const Expansion e = expand(*model, root, 0);
+    ASSERT_TRUE(e.inner);
+    EXPECT_GT(e.inner->cell.owned_faces, 1024u);
+    int cells = 0;
+    EXPECT_EQ(count_outside(*model, root, 0, model_bounds(*model), cells), 0);
+    EXPECT_GT(cells, 100);
+  }
+}
+
 TEST(Expansion, BoundsAreNotLoose) {
   // Without displacement the bounds are the hull of the control points: at most a cell's width away on either side.
   const auto model = bumpy_model(shapes::cube(), 6, 0, {64, 1024});
