@@ -31,7 +31,7 @@ class Expander {
     result_.work.resize(std::size_t(model_.levels()));
     begin_squares();
     is_final_ = freeze_vertices(model_, cell_, level_);
-    is_leaf_ = total_estimate() <= 2.0 * model_.settings().leaf_faces;
+    is_leaf_ = makes_one_leaf();
     Next next = Next::Step;
     while ((next = decide()) == Next::Step) apply_step();
     if (next == Next::Finish)
@@ -42,31 +42,32 @@ class Expander {
   }
 
  private:
-  double total_estimate() const {
+  // Whether all that is expected to come of the cell makes a leaf, or of each of its faces alone.
+  bool makes_one_leaf() const {
+    const double most = 2.0 * model_.settings().leaf_faces;
     double total = 0;
-    for (std::uint32_t f = 0; f < cell_.owned_faces; ++f) total += wanted_faces(model_, cell_, f, level_);
-    return total;
+    for (std::uint32_t f = 0; f < cell_.owned_faces && total <= most; ++f)
+      total += wanted_faces(model_, cell_, f, level_);
+    return total <= most;
   }
-
-  double largest_estimate() const {
-    double largest = 0;
-    for (std::uint32_t f = 0; f < cell_.owned_faces; ++f)
-      largest = std::max(largest, wanted_faces(model_, cell_, f, level_));
-    return largest;
+  bool each_face_makes_a_leaf() const {
+    bool all = true;
+    for (std::uint32_t f = 0; f < cell_.owned_faces && all; ++f)
+      all = wanted_faces(model_, cell_, f, level_) <= model_.settings().leaf_faces;
+    return all;
   }
 
   Next decide() {
     if (is_final_ || level_ == model_.levels()) return Next::Finish;
     // Less may come of it than was expected while it still grew
-    is_leaf_ = is_leaf_ || total_estimate() <= 2.0 * model_.settings().leaf_faces;
+    is_leaf_ = is_leaf_ || makes_one_leaf();
     if (is_leaf_) return Next::Step;
     if (model_.step(level_).drops_faces()) return Next::Step;  // who knows what will be left
     const bool may_split = level_ > first_level_ || cell_.owned_faces > model_.settings().inner_faces;
     if (!may_split) return Next::Step;
     if (has_many_thinning_buds()) return Next::Split;
-    const bool children_are_leaves = largest_estimate() <= model_.settings().leaf_faces;
     const double after = double(cell_.owned_faces) * (model_.step(level_).refines() ? 4 : 2);
-    return children_are_leaves || after > model_.settings().inner_faces ? Next::Split : Next::Step;
+    return after > model_.settings().inner_faces || each_face_makes_a_leaf() ? Next::Split : Next::Step;
   }
 
   // Of a plant: every branch can be met alone, before it brings its twigs along.

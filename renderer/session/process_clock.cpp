@@ -1,5 +1,6 @@
 #include "renderer/session/process_clock.h"
 
+#include <algorithm>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -12,14 +13,15 @@ namespace meristem {
 
 namespace {
 
-double boot_clock_s() {
+double clock_s(clockid_t clock) {
   timespec now{};
-  ::clock_gettime(CLOCK_BOOTTIME, &now);
+  ::clock_gettime(clock, &now);
   return double(now.tv_sec) + double(now.tv_nsec) * 1e-9;
 }
+double boot_clock_s() { return clock_s(CLOCK_BOOTTIME); }
 
-// Field 22 of /proc/self/stat (proc(5)), in seconds since boot. Fields are counted after the name in parentheses, which
-// may hold spaces.
+// Field 22 of /proc/self/stat (proc(5)), in seconds since boot: the middle of the hundredth that it names. Fields are
+// counted after the name in parentheses, which may hold spaces.
 std::optional<double> start_of_process_s() {
   std::ifstream in("/proc/self/stat");
   std::string line, field;
@@ -27,13 +29,14 @@ std::optional<double> start_of_process_s() {
   std::istringstream fields(line.substr(line.rfind(')') + 1));
   for (int i = 3; i <= 22; ++i)
     if (!(fields >> field)) return std::nullopt;
-  return std::stod(field) / double(::sysconf(_SC_CLK_TCK));
+  return (std::stod(field) + 0.5) / double(::sysconf(_SC_CLK_TCK));
 }
 
-// Read once, when the library is initialised. A system whose clocks disagree (some containers) gets that moment.
+// Read once, when the library is initialised; by then the process is as old at least as the time it has run. A system
+// whose clocks disagree (some containers) gets that moment.
 double process_start_s() {
   const double now = boot_clock_s();
-  const double start = start_of_process_s().value_or(now);
+  const double start = std::min(start_of_process_s().value_or(now), now - clock_s(CLOCK_PROCESS_CPUTIME_ID));
   return start <= now && now - start < 60 ? start : now;
 }
 
