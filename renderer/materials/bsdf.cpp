@@ -39,7 +39,9 @@ void Bsdf::set_frame(const ShadingPoint& point) {
   frame_ = Frame(visible_normal(point.hit.shading_normal * side, geometric_normal_, point.wo));
   inside_ = side < 0 && glass > 0 && !thin_walled;
   const float cosine = dot(frame_.n, point.wo);
-  reflected_o_ = f0 > 0 ? ggx::dielectric_albedo(cosine, alpha, f0) : 0;
+  if (f0 > 0) specular_albedo_ = ggx::Albedo::dielectric(alpha, f0);
+  if (coat > 0) coat_albedo_ = ggx::Albedo::dielectric(coat_alpha, coat_f0);
+  reflected_o_ = specular_albedo(cosine);
   passed_o_ = layered() ? passed_by_layers(cosine) : 1;
   diffuse_mean_ = mean_of_diffuse();
   shares_ = shares(cosine);
@@ -47,14 +49,19 @@ void Bsdf::set_frame(const ShadingPoint& point) {
 
 // The mean over all directions, weighted by 2 c, of what reaches the diffuse base.
 float Bsdf::mean_of_diffuse() const {
-  if (!layered()) return f0 > 0 ? 1 - ggx::dielectric_mean_albedo(alpha, f0) : 1;
-  constexpr int steps = 12;
-  float sum = 0;
-  for (int i = 0; i < steps; ++i) {
-    const float c = std::sqrt((float(i) + 0.5f) / steps);
-    sum += passed_by_layers(c) * (f0 > 0 ? 1 - ggx::dielectric_albedo(c, alpha, f0) : 1);
+  if (!layered()) return f0 > 0 ? 1 - specular_albedo_.mean() : 1;
+  // Gauss's rule over the root of c, in which albedos are smooth, with its weight of 4 c^(3/2)
+  struct Node {
+    float root, weight;
+  };
+  constexpr Node nodes[] = {{0.15227316f, 0.00224684f}, {0.33130046f, 0.02834126f}, {0.53241157f, 0.12210477f},
+                            {0.72560278f, 0.27377313f}, {0.88161668f, 0.35320396f}, {0.97679535f, 0.22033003f}};
+  float mean = 0;
+  for (const Node& n : nodes) {
+    const float c = n.root * n.root;
+    mean += n.weight * passed_by_layers(c) * (1 - specular_albedo(c));
   }
-  return sum / steps;
+  return mean;
 }
 
 Spectrum Bsdf::metal_fresnel(float cosine) const {
@@ -76,11 +83,12 @@ Spectrum Bsdf::metal_mean_fresnel() const {
 }
 
 Spectrum Bsdf::metal_interreflection(float cos_o, float cos_i) const {
-  const float mean = ggx::white_mean_albedo(alpha), lost = 1 - mean;
+  const auto white = ggx::Albedo::white(alpha);
+  const float mean = white.mean(), lost = 1 - mean;
   if (!(lost > 1e-4f)) return {};
   const Spectrum f = metal_mean_fresnel();
   const Spectrum total = f * f * mean / (Spectrum(1.f) - f * lost);
-  return total * ((1 - ggx::white_albedo(cos_o, alpha)) * (1 - ggx::white_albedo(cos_i, alpha)) / (pi_f * lost));
+  return total * ((1 - white.at(cos_o)) * (1 - white.at(cos_i)) / (pi_f * lost));
 }
 
 Spectrum Bsdf::fresnel(float cosine) const {
@@ -90,17 +98,14 @@ Spectrum Bsdf::fresnel(float cosine) const {
   return f;
 }
 
-float Bsdf::coat_albedo(float c) const { return coat > 0 ? coat * ggx::dielectric_albedo(c, coat_alpha, coat_f0) : 0; }
+float Bsdf::specular_albedo(float c) const { return f0 > 0 ? specular_albedo_.at(c) : 0; }
+float Bsdf::coat_albedo(float c) const { return coat > 0 ? coat * coat_albedo_.at(c) : 0; }
 float Bsdf::fuzz_albedo(float c) const { return fuzz > 0 ? fuzz * fuzz::albedo(c, fuzz_roughness) : 0; }
-
-// What the layers leave to a specular lobe below them.
-float Bsdf::over_specular(float cos_i) const { return layered() ? std::min(passed_o_, passed_by_layers(cos_i)) : 1; }
 
 // What reaches the diffuse base and comes back out, such that its cosine-weighted integral over wi is the part of wo
 // that is not reflected above.
 float Bsdf::over_diffuse(float cos_i) const {
-  float passed = (1 - reflected_o_) * passed_o_;
-  if (f0 > 0) passed *= 1 - ggx::dielectric_albedo(cos_i, alpha, f0);
+  float passed = (1 - reflected_o_) * passed_o_ * (1 - specular_albedo(cos_i));
   if (layered()) passed *= passed_by_layers(cos_i);
   return passed / diffuse_mean_;
 }
@@ -149,7 +154,7 @@ float Bsdf::terminator(Vec3f wi) const {
 
 // What is lost between microfacets of glass, given back as in Turquin 2019.
 float Bsdf::glass_gain(float cos_o) const {
-  if (thin_walled) return 1 / ggx::white_albedo(cos_o, alpha);
+  if (thin_walled) return 1 / ggx::Albedo::white(alpha).at(cos_o);
   return 1 / ggx::glass_albedo(cos_o, alpha, std::max(ggx::eta_of(f0), 1.01f), inside_);
 }
 
@@ -157,8 +162,7 @@ Spectrum Bsdf::layers_reflected(Vec3f wo, Vec3f wi) const {
   Spectrum f;
   if (coat > 0) {
     const float cos_h = dot(wo, normalize(wo + wi));
-    const float over = fuzz > 0 ? 1 - std::max(fuzz_albedo(wo.z), fuzz_albedo(wi.z)) : 1;
-    f += Spectrum(coat * over * ggx::fresnel_dielectric(cos_h, ggx::eta_of(coat_f0)) *
+    f += Spectrum(coat * (1 - fuzz_albedo(wo.z)) * ggx::fresnel_dielectric(cos_h, ggx::eta_of(coat_f0)) *
                   ggx::reflectance(wo, wi, coat_alpha));
   }
   if (fuzz > 0) f += fuzz_color * (fuzz * fuzz::reflectance(wo, wi, fuzz_roughness));
@@ -167,7 +171,7 @@ Spectrum Bsdf::layers_reflected(Vec3f wo, Vec3f wi) const {
 
 // The BRDF, both directions on the side of wo.
 Spectrum Bsdf::reflected(Vec3f wo, Vec3f wi) const {
-  const float base = 1 - metalness, over = over_specular(wi.z);
+  const float base = 1 - metalness;
   Spectrum f;
   if (mirrors()) {
     const float cos_h = dot(wo, normalize(wo + wi));
@@ -176,10 +180,10 @@ Spectrum Bsdf::reflected(Vec3f wo, Vec3f wi) const {
       const float gain = glass_gain(wo.z), opaque = ggx::fresnel_dielectric(cos_h, ggx::eta_of(f0));
       mirror += dielectric_tint * (base * glass * (glass_fresnel(cos_h) * gain - opaque));
     }
-    f = mirror * (over * ggx::reflectance(wo, wi, alpha));
+    f = mirror * (passed_o_ * ggx::reflectance(wo, wi, alpha));
   }
   if (base > 0 && glass < 1) f += diffuse_reflectance(wo, wi) * (base * (1 - glass) * over_diffuse(wi.z));
-  if (metalness > 0) f += metal_interreflection(wo.z, wi.z) * (metalness * over);
+  if (metalness > 0) f += metal_interreflection(wo.z, wi.z) * (metalness * passed_o_);
   if (!layered()) return f;
   return f * coat_color(wo.z, wi.z) + layers_reflected(wo, wi);
 }
@@ -201,7 +205,7 @@ Spectrum Bsdf::passed_through(Vec3f wo, Vec3f wi) const {
   if (base == 0) return {};
   Spectrum f;
   if (transmitted != Spectrum{}) f = transmitted * (base * (1 - glass) * over_diffuse(-wi.z) / pi_f);
-  if (glass > 0) f += glass_tint * (base * glass * over_specular(-wi.z) * glass_through(wo, wi));
+  if (glass > 0) f += glass_tint * (base * glass * passed_o_ * glass_through(wo, wi));
   return f * coat_color(wo.z, -wi.z);
 }
 

@@ -15,16 +15,17 @@
 //    al. 2007), or through a thin wall straight on; tinted; what is lost between microfacets is given back by a factor
 //    that depends on wo (Turquin 2019, "Practical multiple scattering compensation for microfacet models");
 //  - on top of all of it a coat (GGX, dielectric) and on top of that fuzz (fuzz.h). A layer passes on what it does not
-//    reflect: below it specular lobes are dimmed by the lesser of what it passes in the two directions, diffuse ones by
-//    the product of both, such that a white base gives back all that arrives.
+//    reflect: below it specular lobes are dimmed by what it passes of wo, diffuse ones by the product of that and what
+//    it passes of wi, such that a white base gives back all that arrives.
 //
 // Which side a direction lies on is decided by the geometric normal; cosines use the shading normal, bent towards wo
 // where it would face away. Directions that the two normals see on different sides scatter nothing, so no light leaks;
 // towards that border reflection fades as in Chiang, Li, Burley 2019, "Taming the Shadow Terminator". With equal
-// normals it is reciprocal (of glass: f / eta^2 is, but for the factor) and conserves energy. Finite for every finite
-// input; parameters must be in the ranges given.
+// normals it conserves energy and is reciprocal but for what depends on wo alone: the factor of glass (and its eta^2),
+// the dimming of specular lobes by layers. Finite for every finite input; parameters must be in the ranges given.
 #pragma once
 
+#include "renderer/materials/ggx_albedo.h"
 #include "renderer/scene/interfaces.h"
 #include "renderer/scene/warps.h"
 
@@ -89,13 +90,13 @@ struct Bsdf {
   Spectrum metal_interreflection(float cos_o, float cos_i) const;
   Spectrum metal_mean_fresnel() const;
   float mean_of_diffuse() const;
-  // The parts that a layer reflects; what passes all of those above the base, of colour left out.
+  // The parts that the dielectric and the layers over it reflect; what passes those layers, of colour left out.
+  float specular_albedo(float c) const;
   float coat_albedo(float c) const;
   float fuzz_albedo(float c) const;
   float passed_by_layers(float c) const { return (1 - coat_albedo(c)) * (1 - fuzz_albedo(c)); }
   bool layered() const { return coat > 0 || fuzz > 0; }
   bool mirrors() const { return f0 > 0 || metalness > 0 || glass > 0; }  // below the layers
-  float over_specular(float cos_i) const;
   float over_diffuse(float cos_i) const;
   Spectrum coat_color(float cos_o, float cos_i) const;
   float eta() const;  // of the glass, from the side of wo
@@ -112,9 +113,10 @@ struct Bsdf {
   float terminator(Vec3f wi) const;
   bool same_side(Vec3f w) const { return dot(w, geometric_normal_) > 0; }
 
-  Vec3f geometric_normal_{0, 0, 1};  // on the side of wo
-  Frame frame_;                      // around the shading normal, on the side of wo
-  bool inside_ = false;              // wo is where the glass is
+  Vec3f geometric_normal_{0, 0, 1};            // on the side of wo
+  Frame frame_;                                // around the shading normal, on the side of wo
+  bool inside_ = false;                        // wo is where the glass is
+  ggx::Albedo specular_albedo_, coat_albedo_;  // of the dielectric if f0 > 0, of the coat if there is one
   // Of wo: what the dielectric reflects, what the layers above it pass, and the lobes' shares of samples
   float reflected_o_ = 0, passed_o_ = 1;
   Shares shares_;

@@ -14,7 +14,7 @@ Bsdf::Shares Bsdf::shares(float cosine) const {
   s.transmitted = base * (1 - glass) * (1 - reflected_o_) * luminance(transmitted);
   s.glass = base * glass * std::max(luminance(glass_tint), reflected_o_);
   if (metalness > 0) {
-    const float lost = 1 - ggx::white_albedo(cosine, alpha), f = metalness * luminance(metal_fresnel(cosine));
+    const float lost = 1 - ggx::Albedo::white(alpha).at(cosine), f = metalness * luminance(metal_fresnel(cosine));
     s.specular += f * (1 - lost);
     s.diffuse += f * lost;
   }
