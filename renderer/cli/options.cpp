@@ -140,6 +140,9 @@ void add_scene_options(CLI::App& app, RenderOptions& o) {
       "X0,Y0,X1,Y1");
   add(app.add_option("--seed", o.load.seed, "of all random numbers"), "N");
   add(app.add_option("--max-depth", o.load.max_depth, "bounces of a path")->check(CLI::Range(0, 1024)), "N");
+  add(app.add_option("--shutter", o.load.shutter, "part of a frame that it is open; 0: no blur")
+          ->check(CLI::Range(0.0, 1.0)),
+      "FRAMES");
   add(app.add_option("--threads", o.load.threads, "0: all processors")->check(CLI::Range(0, 1024)), "N");
   add(add_parsed(app, "--budget", "", "memory of the geometry cache: 512M, 2G",
                  [&o](const std::string& t) { o.load.budget_bytes = parse_memory(t); }),

@@ -343,6 +343,7 @@ class SceneBuilder {
     s.samples = options_.samples.value_or(s.samples);
     s.max_depth = options_.max_depth.value_or(s.max_depth);
     s.detail = options_.detail.value_or(s.detail);
+    s.shutter = options_.shutter.value_or(s.shutter);
     s.seed = options_.seed.value_or(s.seed);
     s.budget_bytes = options_.budget_bytes.value_or(s.budget_bytes);
     s.queue_bytes = options_.queue_bytes.value_or(s.queue_bytes);

@@ -26,11 +26,12 @@ struct LoadOptions {
   std::optional<RayOrder> ray_order;
   std::optional<int> width, height, samples, max_depth;
   std::optional<std::uint64_t> seed;
-  std::optional<double> detail;  // pixels; 0: everything in full
-  bool record = false;           // what expansion does, for Intersector::profile()
-  bool check_only = false;       // the scene will not be rendered: Scene::prepare() is left out
-  bool keep_objects = false;     // LoadedScene::objects in place of a world to trace rays into; with check_only
-  std::string camera;            // name of one of the file's cameras; empty: the file's first
+  std::optional<double> detail;   // pixels; 0: everything in full
+  std::optional<double> shutter;  // frames that it is open
+  bool record = false;            // what expansion does, for Intersector::profile()
+  bool check_only = false;        // the scene will not be rendered: Scene::prepare() is left out
+  bool keep_objects = false;      // LoadedScene::objects in place of a world to trace rays into; with check_only
+  std::string camera;             // name of one of the file's cameras; empty: the file's first
   std::optional<double> noise;
   std::vector<Aov> aovs;         // besides those of the file
   std::vector<std::string> set;  // overrides of single values: renderer/language/override.h

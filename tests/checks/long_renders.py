@@ -89,6 +89,7 @@ def check_refusals(program):
     for options, words in [(["--seed", "1"], "seed was 0 and is 1"), (["--size", "8x8"], "size was 16x9 and is 8x8"),
                            (["--set", "/camera/fov=20"], "--set was not given and is /camera/fov=20"),
                            (["--aov", "Z"], "AOVs was not given and is Z"), (["--max-depth", "2"], "max depth was 8"),
+                           (["--shutter", "0.5"], "shutter was 0 in 8 moments and is 0.5 in 8 moments"),
                            (["--expand", "flat"], "expansion was by cells and is flat"),
                            (["--crop", "0,0,4,4"], "crop was 0,0,16,9 and is 0,0,4,4")]:
         _, error = program.run(*base, *options, code=2)

@@ -91,11 +91,11 @@ TEST_F(CommandLineTest, RenderWritesAnExrAndAPngNamedAfterTheScene) {
 }
 
 TEST_F(CommandLineTest, EveryOptionArrives) {
-  ASSERT_EQ(run({"render",  "a.jsonc",  "--samples",   "2",        "--size",     "20x10",    "--threads",
-                 "1",       "--budget", "64M",         "--expand", "flat",       "--camera", "side",
-                 "--seed",  "7",        "--max-depth", "3",        "--crop",     "2,3,12,9", "--float",
-                 "--quiet", "--stats",  "s.json",      "-o",       "a.exr",      "-o",       "b.tif",
-                 "--bits",  "16",       "--view",      "Raw",      "--exposure", "1"}),
+  ASSERT_EQ(run({"render",      "a.jsonc", "--samples", "2",        "--size",   "20x10",   "--threads", "1",
+                 "--budget",    "64M",     "--expand",  "flat",     "--camera", "side",    "--seed",    "7",
+                 "--max-depth", "3",       "--crop",    "2,3,12,9", "--float",  "--quiet", "--stats",   "s.json",
+                 "-o",          "a.exr",   "-o",        "b.tif",    "--bits",   "16",      "--view",    "Raw",
+                 "--exposure",  "1",       "--shutter", "0.25"}),
             0)
       << error_;
   EXPECT_EQ(load_options_.samples, 2);
@@ -104,6 +104,7 @@ TEST_F(CommandLineTest, EveryOptionArrives) {
   EXPECT_EQ(load_options_.camera, "side");
   EXPECT_EQ(load_options_.seed, 7u);
   EXPECT_EQ(load_options_.max_depth, 3);
+  EXPECT_EQ(load_options_.shutter, 0.25);
   EXPECT_EQ(load_options_.threads, 1);
   EXPECT_EQ(error_, "");
   const Image exr = read_image(folder_ / "a.exr"), tif = read_image(folder_ / "b.tif");
@@ -142,6 +143,7 @@ TEST_F(CommandLineTest, UsageErrorsEndAsTwoBeforeAnythingIsLoaded) {
                                                     {"render", "a.jsonc", "--samples", "many"},
                                                     {"render", "a.jsonc", "--size", "640"},
                                                     {"render", "a.jsonc", "--budget", "lots"},
+                                                    {"render", "a.jsonc", "--shutter", "1.5"},
                                                     {"render", "a.jsonc", "--crop", "5,5,1,1"},
                                                     {"render", "a.jsonc", "--expand", "partly"},
                                                     {"render", "a.jsonc", "--half", "--float"},

@@ -151,6 +151,15 @@ TEST_F(MotionScene, TheShutterOpensAtTheFrame) {
   expect_near(coverage(text, options), expected, 0.05, 0.005);
 }
 
+TEST_F(MotionScene, TheCommandLineMayOpenOrCloseTheShutter) {
+  const std::string text = scene(R"({ "model": "sheet", "position": "[2*time - 1, 0, 0]" })");
+  for (const char* length : {"0", "0.25"}) {
+    LoadOptions options;
+    options.shutter = std::stod(length);
+    EXPECT_EQ(coverage(text, options), coverage(with_shutter(text, length))) << length;
+  }
+}
+
 TEST_F(MotionScene, ACameraThatMovesSeesWhatMovesTheOtherWay) {
   const std::string turned = R"("from": "a = 0.15*time; [10*sin(a), time, 10*cos(a)]", "to": "[0, time, 0]")";
   const auto by_camera = coverage(scene(R"({ "model": "sheet" })", "", "", turned)),
