@@ -231,6 +231,7 @@ class Walk {
   void add_crossed_lights(float end) {
     choice_.tree().visit_crossed(s_.ray, end, [&](std::size_t i) {
       if (scene_.lights[i]->object() >= 0) return;  // counted where the surface is hit
+      if (s_.last_pdf == 0 && !scene_.lights[i]->seen_by_camera()) return;
       const float t = scene_.lights[i]->intersect(s_.ray);
       if (!(t < end)) return;
       Ray whole = s_.ray;  // from the last vertex: surfaces passed in between do not matter to the pdf

@@ -1,7 +1,7 @@
 // rectangle: a glowing rectangle, like a window or a softbox.
 //
-// Its middle is `from`; it faces `to`; `up` turns it; `width` and `height` are its sides. It is seen by the camera and
-// in reflections unless `visible` is false, and never casts a shadow: rays go on through it.
+// Its middle is `from`; it faces `to`; `up` turns it; `width` and `height` are its sides. It is seen by the camera
+// unless `visible` is false, in mirrors and through glass in any case, and never casts a shadow: rays go on through it.
 //
 // Sampled uniformly by solid angle: Urena, Fajardo, King 2013, "An Area-Preserving Parametrization for Spherical
 // Rectangles", in double precision; where that solid angle is too small to be computed so, by area.
@@ -60,7 +60,7 @@ class Rectangle : public Light {
     const Vec3d color = params.color("color", {1, 1, 1}, "radiance");
     const double intensity = params.real("intensity", 5, not_negative, "scales the colour");
     two_sided_ = params.boolean("two_sided", false, "whether the back glows too");
-    visible_ = params.boolean("visible", true, "whether the camera and reflections see it");
+    visible_ = params.boolean("visible", true, "whether the camera sees it; mirrors do anyway");
     radiance_ = Spectrum(color * intensity);
 
     normal_ = normalize(to - center_);
@@ -86,17 +86,11 @@ class Rectangle : public Light {
     s.distance = float(distance);
     s.radiance = radiance_;
     s.pdf = pdf(seen, distance);
-    if (!visible_ && s.pdf > 0) {
-      s.radiance = s.radiance / s.pdf;
-      s.pdf = 1;
-      s.is_delta = true;  // no other ray can meet it
-    }
     return s;
   }
 
   float intersect(const Ray& ray) const override {
     constexpr float nothing = std::numeric_limits<float>::infinity();
-    if (!visible_) return nothing;
     const Vec3d direction(ray.direction), offset = Vec3d(ray.origin) - center_;
     const double slope = dot(direction, normal_);
     if (slope == 0 || (slope > 0 && !two_sided_)) return nothing;
@@ -106,6 +100,7 @@ class Rectangle : public Light {
     const bool inside = std::abs(dot(p, right_)) <= width_ / 2 && std::abs(dot(p, up_)) <= height_ / 2;
     return inside ? float(t) : nothing;
   }
+  bool seen_by_camera() const override { return visible_; }
   Spectrum emitted(const Ray&, float) const override { return radiance_; }
   float pdf_hit(const Ray& ray, float t) const override {
     const Vec3d corner = corner_from(ray.origin);

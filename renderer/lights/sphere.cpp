@@ -1,8 +1,8 @@
 // sphere: a glowing ball, lit on its outside (or, `two_sided`, inside as well).
 //
-// It is seen by the camera and in reflections unless `visible` is false, and never casts a shadow: rays go on through
-// it. From outside, the cone it fills is sampled uniformly (Shirley, Wang, Zimmerman 1996); from inside, all
-// directions.
+// It is seen by the camera unless `visible` is false, in mirrors and through glass in any case, and never casts a
+// shadow: rays go on through it. From outside, the cone it fills is sampled uniformly (Shirley, Wang, Zimmerman 1996);
+// from inside, all directions.
 #include "renderer/scene/interfaces.h"
 #include "renderer/scene/warps.h"
 
@@ -17,7 +17,7 @@ class Sphere : public Light {
     const Vec3d color = params.color("color", {1, 1, 1}, "radiance");
     const double intensity = params.real("intensity", 5, not_negative, "scales the colour");
     two_sided_ = params.boolean("two_sided", false, "whether the inside glows too");
-    visible_ = params.boolean("visible", true, "whether the camera and reflections see it");
+    visible_ = params.boolean("visible", true, "whether the camera sees it; mirrors do anyway");
     radiance_ = Spectrum(color * intensity);
   }
 
@@ -30,17 +30,11 @@ class Sphere : public Light {
     s.distance = distance_along(from, s.direction);
     s.radiance = radiance_;
     s.pdf = uniform_cone_pdf(width);
-    if (!visible_) {
-      s.radiance = s.radiance / s.pdf;
-      s.pdf = 1;
-      s.is_delta = true;  // no other ray can meet it
-    }
     return s;
   }
 
   float intersect(const Ray& ray) const override {
     constexpr float nothing = std::numeric_limits<float>::infinity();
-    if (!visible_) return nothing;
     const double scale = double(length(ray.direction));
     const Vec3d d = Vec3d(ray.direction) / scale, v = Vec3d(ray.origin) - center_;
     const double middle = -dot(v, d), reach2 = radius_ * radius_ - length_squared(v + d * middle);
@@ -51,6 +45,7 @@ class Sphere : public Light {
     if (const double t = (middle + half) / scale; two_sided_ && in_range(t)) return float(t);
     return nothing;
   }
+  bool seen_by_camera() const override { return visible_; }
   Spectrum emitted(const Ray&, float) const override { return radiance_; }
   float pdf_hit(const Ray& ray, float) const override {
     const float width = cone_width(ray.origin);

@@ -101,7 +101,7 @@ class Light {
     (void)direction;
     return 0;
   }
-  // Lights with a shape of their own (rectangle, sphere; seen by camera and bounce rays, cast no shadow): the distance
+  // Lights with a shape of their own (rectangle, sphere; seen by bounce rays, cast no shadow): the distance
   // along the ray, or infinity; then the radiance towards the ray's origin and the pdf of sample(origin) for that
   // direction.
   virtual float intersect(const Ray& ray) const {
@@ -118,6 +118,8 @@ class Light {
     (void)t;
     return 0;
   }
+  // Whether rays from the camera meet it as well, before they are scattered.
+  virtual bool seen_by_camera() const { return true; }
   // A light that is the surface of an object (its index in SurfaceHit): a ray meets it by hitting the object and sees
   // what the material emits; intersect() then tells which light it is. -1 for all others.
   virtual int object() const { return -1; }

@@ -1,5 +1,6 @@
 // Light transport in scenes with known answers, over analytic shapes that need no tracing library.
 #include "renderer/materials/bsdf.h"
+#include "renderer/materials/ggx.h"
 #include "renderer/scene/ray_origin.h"
 #include "renderer/scene/scene.h"
 #include "renderer/scene/warps.h"
@@ -74,11 +75,12 @@ struct Analytic : Intersector {
 
 struct Matte : Material {
   Spectrum albedo{0.5f, 0.5f, 0.5f};
-  float specular = 0, opacity = 1, glass = 0;
+  float specular = 0, alpha = 0.09f, opacity = 1, glass = 0;
   Spectrum emission, absorption;
   void evaluate(const ShadingPoint& point, Bsdf& bsdf) const override {
     bsdf.diffuse = albedo;
     bsdf.f0 = specular;
+    bsdf.alpha = alpha;
     bsdf.opacity = opacity;
     bsdf.emission = emission;
     bsdf.glass = glass;
@@ -126,6 +128,23 @@ struct Transport : testing::Test {
   Scene scene;
   RayCounts counts;
 };
+
+// A lamp that the camera does not see: a mirror shows it as any other lamp, of a few paths without fireflies.
+TEST_F(Transport, MirrorsShowLampsThatTheCameraDoesNotSee) {
+  Matte& mirror = static_cast<Matte&>(*scene.materials[0]);
+  mirror.albedo = {};
+  mirror.specular = 0.25f;
+  mirror.alpha = 0.002f;
+  add_floor(0);
+  const std::string lamp = R"({ "center": [2, 2, 0], "radius": 0.4, "intensity": 16)";
+  scene.lights.push_back(make<Light>(register_sphere, lamp + R"(, "visible": false })"));
+  EXPECT_EQ(radiance({2, 2, 5}, {0, 0, -1}, 16).x, 0);
+  const float hidden = radiance({-2, 2, 0}, {1, -1, 0}, 16).x;
+  scene.lights[0] = make<Light>(register_sphere, lamp + " }");
+  EXPECT_EQ(radiance({2, 2, 5}, {0, 0, -1}, 16).x, 16);
+  EXPECT_EQ(hidden, radiance({-2, 2, 0}, {1, -1, 0}, 16).x);
+  EXPECT_NEAR(hidden, 16 * ggx::fresnel_dielectric(std::sqrt(0.5f), ggx::eta_of(0.25f)), 0.1);
+}
 
 TEST_F(Transport, WhiteBallInWhiteSurroundingsIsInvisible) {
   Matte& white = static_cast<Matte&>(*scene.materials[0]);

@@ -193,17 +193,20 @@ TEST_P(Shape, PdfIntegratesToOneOverTheShape) {
   EXPECT_NEAR(sum / count / double(uniform_cone_pdf(GetParam().one_minus_cos)), 1, 0.02);
 }
 
-TEST_P(Shape, InvisibleOnesGiveTheSameLightAsDeltas) {
+TEST_P(Shape, InvisibleOnesAreHiddenFromTheCameraAlone) {
   const std::string text = GetParam().parameters;
   const auto seen = make<Light>(GetParam().registration, text);
   const auto hidden = make<Light>(GetParam().registration, text.substr(0, text.size() - 1) + R"(, "visible": false })");
+  EXPECT_TRUE(seen->seen_by_camera());
+  EXPECT_FALSE(hidden->seen_by_camera());
   const LightSample a = seen->sample({0.2f, 0, 0.1f}, {0.3f, 0.7f}), b = hidden->sample({0.2f, 0, 0.1f}, {0.3f, 0.7f});
-  EXPECT_TRUE(b.is_delta);
-  EXPECT_EQ(b.pdf, 1);
-  EXPECT_FLOAT_EQ(b.radiance.x, a.radiance.x / a.pdf);
+  EXPECT_FALSE(b.is_delta);
+  EXPECT_EQ(b.pdf, a.pdf);
+  EXPECT_EQ(b.radiance, a.radiance);
   Ray ray;
+  ray.origin = {0.2f, 0, 0.1f};
   ray.direction = a.direction;
-  EXPECT_EQ(hidden->intersect(ray), std::numeric_limits<float>::infinity());
+  EXPECT_EQ(hidden->intersect(ray), seen->intersect(ray));
 }
 
 double irradiance(const Light& light, Vec3f from, Vec3f normal) {
