@@ -72,6 +72,7 @@ class Path : public Integrator, public PathStepper {
     choice_.emplace(scene.lights);
     transparency_ = std::ranges::any_of(scene.materials, [](const auto& m) { return m->may_be_transparent(); });
     textures_ = std::ranges::any_of(scene.materials, [](const auto& m) { return m->has_textures(); });
+    cones_ = textures_ || std::ranges::any_of(scene.lights, [](const auto& l) { return l->has_texture(); });
   }
   Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts,
                     FirstSurface* first) const override;
@@ -85,13 +86,14 @@ class Path : public Integrator, public PathStepper {
 
   const LightChoice& choice() const { return *choice_; }
   bool transparency() const { return transparency_; }  // of some material
-  bool textures() const { return textures_; }          // of some material: the path's cone is needed
+  bool textures() const { return textures_; }          // of some material: the path's cone is needed,
+  bool cones() const { return cones_; }                // or of a light: that of the camera's ray is
   int roulette_depth() const { return roulette_depth_; }
 
  private:
   int roulette_depth_;
   std::optional<LightChoice> choice_;
-  bool transparency_ = false, textures_ = false;
+  bool transparency_ = false, textures_ = false, cones_ = false;
 };
 
 // One camera path while it goes on.
@@ -109,7 +111,7 @@ class Walk {
   void begin(const Ray& ray) {
     ++counts_.camera;
     s_.last_vertex = {ray.origin, {}};
-    if (path_.textures() && scene_.camera)
+    if (path_.cones() && scene_.camera)
       s_.spread = scene_.camera->spread(ray, scene_.settings.width, scene_.settings.height);
     fly(ray);
   }
@@ -222,9 +224,15 @@ class Walk {
 
   void add_environments() {
     for (const std::size_t i : choice_.environments()) {
-      const Spectrum radiance = scene_.lights[i]->escaped(s_.ray.direction);
+      const Light& light = *scene_.lights[i];
+      const Vec3f direction = s_.ray.direction;
+      if (s_.last_pdf == 0) {
+        s_.sum += s_.throughput * light.background(direction, s_.spread);
+        continue;
+      }
+      const Spectrum radiance = light.escaped(direction);
       if (radiance == Spectrum{}) continue;
-      s_.sum += s_.throughput * radiance * weight_met(i, scene_.lights[i]->pdf_escaped(s_.ray.direction));
+      s_.sum += s_.throughput * radiance * weight_met(i, light.pdf_escaped(direction));
     }
   }
 

@@ -2,8 +2,13 @@
 //
 // The image's middle looks towards -z, its right quarter towards +x, its top row is up; `rotation` turns it around the
 // vertical, counter-clockwise seen from above. `file` stands in the folder of the scene file or below it.
+//
+// What the camera sees of it, as a background, is its mean over a cone as wide as half a pixel, or `filter` pixels; all
+// other rays look it up at a point, since they share their light with samples of its brightness
+// (docs/decisions.md "Image environments").
 #include "renderer/image/image.h"
 #include "renderer/lights/distribution_2d.h"
+#include "renderer/lights/panorama.h"
 #include "renderer/scene/asset_path.h"
 #include "renderer/scene/interfaces.h"
 #include "renderer/scene/warps.h"
@@ -18,6 +23,7 @@ class ImageEnvironment : public Light {
     const Vec3d color = params.color("color", {1, 1, 1}, "multiplies the image");
     const double intensity = params.real("intensity", 1, not_negative, "scales the image");
     const double rotation = params.real("rotation", 0, {-360, 360, "deg"}, "turn around the vertical");
+    filter_ = float(params.real("filter", 0.5, {0, 100, ""}, "width of the camera's lookups in pixels; 0: a point"));
     turn_ = float(rotation / 360);
     if (params.describing()) return;
     load(params, file, Spectrum(color * intensity));
@@ -33,13 +39,9 @@ class ImageEnvironment : public Light {
     return s;
   }
 
-  Spectrum escaped(Vec3f d) const override {
-    const Vec2f p = to_image(d);
-    const float fx = p.x * float(width_) - 0.5f, fy = p.y * float(height_) - 0.5f;
-    const int x = int(std::floor(fx)), y = int(std::floor(fy));
-    const float tx = fx - float(x), ty = fy - float(y);
-    return lerp(lerp(texel(x, y), texel(x + 1, y), tx), lerp(texel(x, y + 1), texel(x + 1, y + 1), tx), ty);
-  }
+  Spectrum escaped(Vec3f d) const override { return image_.at(to_image(d)); }
+  Spectrum background(Vec3f d, float spread) const override { return image_.mean(to_image(d), filter_ * spread); }
+  bool has_texture() const override { return filter_ > 0; }
 
   float pdf_escaped(Vec3f d) const override {
     const float sine = std::sqrt(std::max(0.f, 1 - d.y * d.y));
@@ -50,8 +52,6 @@ class ImageEnvironment : public Light {
 
  private:
   void load(Params& params, const std::string& file, Spectrum scale) {
-    width_ = height_ = 1;
-    texels_ = {Spectrum{}};
     try {
       const auto path = asset_path(params, "file", file);
       if (!path) return;
@@ -60,11 +60,9 @@ class ImageEnvironment : public Light {
         params.error("file", "the image has no pixels");
         return;
       }
-      width_ = image.width;
-      height_ = image.height;
-      texels_.clear();
-      for (std::size_t i = 0; i < std::size_t(width_) * std::size_t(height_); ++i)
-        texels_.push_back(color_of(image, i) * scale);
+      std::vector<Spectrum> texels(std::size_t(image.width) * std::size_t(image.height));
+      for (std::size_t i = 0; i < texels.size(); ++i) texels[i] = color_of(image, i) * scale;
+      image_ = Panorama(std::move(texels), image.width, image.height);
     } catch (const std::runtime_error& error) {
       params.error("file", error.what());
     }
@@ -80,25 +78,21 @@ class ImageEnvironment : public Light {
 
   // Each cell weighs as much as the brightest texel that its interpolation reads, so that no light is missed.
   void prepare_sampling() {
+    const int width = image_.width(), height = image_.height();
     std::vector<float> weights;
     double flux = 0;
-    for (int y = 0; y < height_; ++y) {
-      const float sine = std::sin(pi_f * (float(y) + 0.5f) / float(height_));
-      for (int x = 0; x < width_; ++x) {
+    for (int y = 0; y < height; ++y) {
+      const float sine = std::sin(pi_f * (float(y) + 0.5f) / float(height));
+      for (int x = 0; x < width; ++x) {
         float brightest = 0;
-        for (int k = 0; k < 9; ++k) brightest = std::max(brightest, luminance(texel(x + k % 3 - 1, y + k / 3 - 1)));
+        for (int k = 0; k < 9; ++k)
+          brightest = std::max(brightest, luminance(image_.texel(x + k % 3 - 1, y + k / 3 - 1)));
         weights.push_back(brightest * sine);
-        flux += double(luminance(texel(x, y)) * sine);
+        flux += double(luminance(image_.texel(x, y)) * sine);
       }
     }
-    flux_ = float(flux * 2 * pi * pi / (double(width_) * height_));
-    distribution_ = Distribution2D(std::move(weights), width_, height_);
-  }
-
-  Spectrum texel(int x, int y) const {
-    x = (x % width_ + width_) % width_;
-    y = std::clamp(y, 0, height_ - 1);
-    return texels_[std::size_t(y) * std::size_t(width_) + std::size_t(x)];
+    flux_ = float(flux * 2 * pi * pi / (double(width) * height));
+    distribution_ = Distribution2D(std::move(weights), width, height);
   }
 
   Vec2f to_image(Vec3f d) const {
@@ -110,9 +104,9 @@ class ImageEnvironment : public Light {
     return {std::sin(polar) * std::sin(angle), std::cos(polar), -std::sin(polar) * std::cos(angle)};
   }
 
-  int width_ = 1, height_ = 1;
-  std::vector<Spectrum> texels_{Spectrum{}};
+  Panorama image_;
   Distribution2D distribution_;
+  float filter_ = 0;
   float turn_ = 0;  // rotation / 360 degrees
   float flux_ = 0;  // luminance integrated over all directions
 };

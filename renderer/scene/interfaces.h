@@ -101,6 +101,13 @@ class Light {
     (void)direction;
     return 0;
   }
+  // The same as the camera sees it, for a pixel so wide in radians: it may be a mean, since no sample() shares in it.
+  virtual Spectrum background(Vec3f direction, float spread) const {
+    (void)spread;
+    return escaped(direction);
+  }
+  // Whether background() asks for the width.
+  virtual bool has_texture() const { return false; }
   // Lights with a shape of their own (rectangle, sphere; seen by bounce rays, cast no shadow): the distance
   // along the ray, or infinity; then the radiance towards the ray's origin and the pdf of sample(origin) for that
   // direction.

@@ -1,4 +1,5 @@
 #include "renderer/image/image.h"
+#include "renderer/lights/panorama.h"
 #include "renderer/scene/warps.h"
 #include "tests/support/component.h"
 
@@ -69,6 +70,49 @@ TEST_F(ImageEnvironmentTest, PdfIntegratesToOneAndSamplesAgree) {
   }
   EXPECT_NEAR(sum * 4 * pi / count, 1, 0.01);
   EXPECT_NEAR(by_light / uniform, 1, 0.01);
+}
+
+// Of fine stripes the camera sees the grey between them, if a pixel is wider than they are; bounces see stripes.
+TEST_F(ImageEnvironmentTest, TheCameraSeesTheMeanOverItsPixel) {
+  Image stripes;
+  stripes.width = 2048, stripes.height = 1024, stripes.channels = 3;
+  for (int y = 0; y < stripes.height; ++y)
+    for (int x = 0; x < stripes.width; ++x)
+      for (int k = 0; k < 3; ++k) stripes.pixels.push_back((x / 2 + y / 2) % 2 ? 1.f : 0.f);
+  write_image(path, stripes);
+  const auto image = light(), sharp = light(R"(, "filter": 0)");
+  EXPECT_TRUE(image->has_texture());
+  EXPECT_FALSE(sharp->has_texture());
+  const float pixel = 0.1f;  // 32 texels
+  double variance = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3f d = uniform_cone(2, spread_pair(i));
+    EXPECT_NEAR(image->background(d, pixel).x, 0.5f, 0.02f) << d.y;
+    EXPECT_EQ(image->background(d, 1e-4f), image->escaped(d));
+    EXPECT_EQ(sharp->background(d, pixel), sharp->escaped(d));
+    variance += std::pow(double(image->escaped(d).x) - 0.5, 2) / 1000;
+  }
+  EXPECT_GT(variance, 0.05);
+}
+
+TEST(Panorama, MeansKeepTheLight) {
+  // Odd sides, bright dots everywhere
+  constexpr int width = 101, height = 51;
+  std::vector<Spectrum> texels(std::size_t(width * height), Spectrum(0.1f));
+  for (std::size_t i = 0; i < texels.size(); i += 37) texels[i] = {4, 2, 8};
+  const Panorama panorama(texels, width, height);
+  for (float angle : {0.f, 0.1f, 0.5f, 1.5f}) {
+    Vec3d sum, exact;
+    constexpr int count = 100000;
+    for (int i = 0; i < count; ++i) {
+      const Vec2f random = spread_pair(i), place{random.x, std::acos(1 - 2 * random.y) / pi_f};  // even by solid angle
+      sum += Vec3d(panorama.mean(place, angle)) / count;
+      exact += Vec3d(panorama.at(place)) / count;
+    }
+    EXPECT_NEAR(sum.z / exact.z, 1, 0.02) << angle;
+  }
+  const Panorama even(std::vector<Spectrum>(15, Spectrum(3.f)), 5, 3);
+  for (float angle : {0.f, 1.f, 10.f}) EXPECT_NEAR(even.mean({0.99f, 0.02f}, angle).x, 3, 1e-5f);
 }
 
 TEST_F(ImageEnvironmentTest, MissingFilesAreErrorsOfTheScene) {
