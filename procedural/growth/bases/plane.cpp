@@ -1,5 +1,5 @@
-// plane: a grid of quadrilaterals on y = 0 that looks up, centred on the origin; open at its border. u and v run from 0
-// to 1 along x and -z.
+// plane: a grid of quadrilaterals on y = 0 that looks up, centred on the origin, square unless both of its sides are
+// given; open at its border. u and v run from 0 to 1 along x and -z.
 #include "procedural/growth/base_shape.h"
 
 namespace meristem {
@@ -10,9 +10,9 @@ class Plane : public BaseShape {
  public:
   explicit Plane(Params& params)
       : width_(params.real("width", 1, {1e-6, 1e6, "m"}, "along x")),
-        depth_(params.real("depth", 1, {1e-6, 1e6, "m"}, "along z")),
+        depth_(params.real("depth", width_, {1e-6, 1e6, "m"}, "along z; not given: the width")),
         columns_(params.integer("columns", 1, {1, 4096, ""}, "quadrilaterals along x")),
-        rows_(params.integer("rows", 1, {1, 4096, ""}, "quadrilaterals along z")),
+        rows_(params.integer("rows", columns_, {1, 4096, ""}, "quadrilaterals along z; not given: as many as columns")),
         symbol_(read_symbol(params, "face", "symbol of the faces")) {}
 
  private:

@@ -20,7 +20,9 @@ class Leaf : public Template {
         width_(params.number("width", "0.5", {0, 1e6, "m"}, "of the blade where it is widest")),
         widest_(params.number("widest", "0.4", {0.05, 0.95, ""}, "where it is widest: 0 the foot, 1 the tip")),
         stalk_(params.number("stalk", "0.1", {0, 1e6, "m"}, "length of the stalk")),
-        stalk_radius_(params.number("stalk_radius", "0.01", {0, 1e6, "m"}, "of the stalk where the blade begins")),
+        stalk_radius_(params.number("stalk_radius", "0.01", {0, 1e6, "m"},
+                                    "of the stalk where the blade begins; not given: a fiftieth of the width")),
+        thin_stalk_(!params.plain().has("stalk_radius")),
         bend_(params.number("bend", "45", {-180, 180, "deg"}, "angle between the face's normal and the leaf")),
         bend_direction_(params.number("bend_direction", "180", any_angle,
                                       "where it leans to, from the reference edge, counter-clockwise")),
@@ -46,7 +48,7 @@ class Leaf : public Template {
 
   Reach bound(const SocketRange& range) const override {
     const double length = range.largest(length_), half_width = range.largest(width_) / 2;
-    const double stem = range.largest(stalk_), foot = range.largest(stalk_radius_);
+    const double stem = range.largest(stalk_), foot = stalk_radius([&](int slot) { return range.largest(slot); });
     const double section = std::max(half_width, foot);
     const double widest = std::max({2 * range.radius, range.radius + stem + foot, length + 2 * section});
     Reach r;
@@ -80,6 +82,12 @@ class Leaf : public Template {
     return {along, cross(turned, along), turned};
   }
 
+  // From the value of each parameter, by slot.
+  template <class Value>
+  double stalk_radius(const Value& value) const {
+    return thin_stalk_ ? value(width_) / 50 : value(stalk_radius_);
+  }
+
   double half_width(const Socket& socket, double t) const {
     const double exponent = std::log(0.5) / std::log(socket.scalar(widest_));  // widest where t^exponent is a half
     return std::max(socket.scalar(width_) / 2 * std::sin(pi * std::pow(t, exponent)), 0.0);
@@ -102,9 +110,10 @@ class Leaf : public Template {
   void add_vertices(const Socket& socket, NamedFaces& out) const {
     const Axes a = axes(socket);
     const double length = socket.scalar(length_), droop = radians(socket.scalar(droop_));
-    const double fold = radians(socket.scalar(fold_)), stalk_radius = socket.scalar(stalk_radius_);
+    const double fold = radians(socket.scalar(fold_)),
+                 foot_radius = stalk_radius([&](int slot) { return socket.scalar(slot); });
     const Vec3d foot = socket.frame.origin + a.along * socket.scalar(stalk_);
-    for (const Vec3d side : {-a.up, a.left, a.up, -a.left}) out.add_vertex(foot + side * stalk_radius);
+    for (const Vec3d side : {-a.up, a.left, a.up, -a.left}) out.add_vertex(foot + side * foot_radius);
     for (std::uint32_t i = 1; i <= sections_; ++i) {
       const double t = position(i), width = half_width(socket, t);
       const Vec3d center = foot + midrib(a, length, droop, t);
@@ -139,7 +148,9 @@ class Leaf : public Template {
   }
 
   std::vector<FaceName> names_{{"blade", -1}, {"stalk", -1}};
-  int length_, width_, widest_, stalk_, stalk_radius_, bend_, bend_direction_, fold_, droop_, facing_, toward_;
+  int length_, width_, widest_, stalk_, stalk_radius_;
+  bool thin_stalk_;  // the radius is that of the width
+  int bend_, bend_direction_, fold_, droop_, facing_, toward_;
   std::uint32_t sections_;
 };
 

@@ -52,6 +52,13 @@ TEST(Bases, PrismHasTheUOfThePaper) {
   EXPECT_NEAR(face_frame(d.base, cap).z.y, 1, 1e-12);
 }
 
+TEST(Bases, PlanesAreSquareUnlessTheirDepthIsGiven) {
+  const Mesh square = built(R"json({ "type": "plane", "width": 3, "columns": 4 })json");
+  const Mesh spelt_out = built(R"json({ "type": "plane", "width": 3, "depth": 3, "columns": 4, "rows": 4 })json");
+  EXPECT_EQ(square.face_count(), 16u);
+  EXPECT_EQ(square.positions, spelt_out.positions);
+}
+
 TEST(Bases, PlaneLooksUpAndIsOpen) {
   const Mesh plane = built(R"json({ "type": "plane", "width": 3, "depth": 2, "columns": 3, "rows": 4 })json");
   EXPECT_EQ(plane.face_count(), 12u);

@@ -166,6 +166,18 @@ struct LeafOnAPlane {
   }
 };
 
+TEST(Leaf, StalksAreAFiftiethOfTheWidthUnlessTheirRadiusIsGiven) {
+  const LeafOnAPlane thin(R"json("bend": 10)json"), spelt_out(R"json("bend": 10, "stalk_radius": 0.02)json"),
+      thick(R"json("bend": 10, "stalk_radius": 0.1)json");
+  double to_spelt_out = 0, to_thick = 0;
+  for (std::size_t i = 0; i < thin.mesh.positions.size(); ++i) {
+    to_spelt_out = std::max(to_spelt_out, length(thin.mesh.positions[i] - spelt_out.mesh.positions[i]));
+    to_thick = std::max(to_thick, length(thin.mesh.positions[i] - thick.mesh.positions[i]));
+  }
+  EXPECT_LT(to_spelt_out, 1e-8);
+  EXPECT_NEAR(to_thick, 0.08, 1e-6);
+}
+
 TEST(Leaf, IsAsLongAndAsWideAsItSays) {
   const Bounds3d box = LeafOnAPlane(R"json("bend": 0, "fold": 0, "droop": 0)json").box();
   EXPECT_NEAR(box.upper.y, 2.5, 1e-8);
