@@ -30,6 +30,13 @@ class HelpFormatter : public CLI::Formatter {
     const std::string type = type_of(*option);
     return option->get_positional() || type.empty() ? "" : " " + type;
   }
+  // Without a heading: a line less on the screen.
+  std::string make_positionals(const CLI::App* app) const override {
+    std::string text;
+    for (const CLI::Option* o : app->get_options([](const CLI::Option* p) { return p->get_positional(); }))
+      text += make_option(o, true);
+    return text.empty() ? text : "\n" + text;
+  }
   // One blank line between groups, not two.
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
     return CLI::detail::find_and_replace(CLI::Formatter::make_help(app, name, mode), "\n\n\n", "\n\n");
