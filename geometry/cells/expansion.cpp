@@ -2,6 +2,7 @@
 
 #include "geometry/cells/done_faces.h"
 #include "geometry/cells/extract.h"
+#include "geometry/cells/fading.h"
 #include "geometry/cells/gather.h"
 #include "geometry/cells/level_of_detail.h"
 #include "geometry/cells/region_extent.h"
@@ -89,7 +90,10 @@ class Expander {
   void apply_step() {
     const auto start = std::chrono::steady_clock::now();
     const Step& step = model_.step(level_);
-    if (!step.refines()) leave_out_small_growth(model_, cell_, level_);
+    if (step.refines())
+      begin_fading(model_, cell_, level_);
+    else
+      leave_out_small_growth(model_, cell_, level_);
     CellMesh out;
     step.apply(cell_, model_.halo_rings(level_ + 1), out);
     out.footprint = cell_.footprint;
@@ -177,7 +181,9 @@ std::vector<std::uint32_t> all_faces(const Mesh& mesh) {
 
 Bounds3f model_bounds(const Model& model) {
   const Mesh& mesh = model.base().mesh;
-  return round_outwards(final_bounds(model, region_extent(model, mesh, Adjacency(mesh), all_faces(mesh), 0), 0));
+  Extent e = region_extent(model, mesh, Adjacency(mesh), all_faces(mesh), 0);
+  e.may_thin = true;
+  return round_outwards(final_bounds(model, e, 0));
 }
 
 Bounds3f model_bounds(const Model& model, const Footprint* footprint, Key individual, int derived_levels) {

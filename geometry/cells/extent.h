@@ -15,7 +15,9 @@ namespace meristem {
 struct SymbolRange {
   std::int32_t symbol = -1;
   std::array<Interval, max_growth_parameters> parameters{};
-  float radius = 0;  // the largest distance of a corner of such a face from its centroid
+  // The largest distance of a corner of such a face from its centroid, but for its enlargement.
+  float radius = 0;
+  Interval enlargement{1, 1};  // of the faces (thinning.h)
 };
 
 // Bounds on |longest edge after| / |longest edge before| of one smoothing: of quads around vertices of valence 4
@@ -36,6 +38,7 @@ struct Extent {
   double ripple = 0;       // the longest edge of the displacement as a surface of its own
   double last_offset = 0;  // the longest displacement of the last step
   Interval u, v;
+  bool may_thin = false;             // whether symbols that thin may do so: not where everything is wanted in full
   std::vector<SymbolRange> symbols;  // those with a production in a later step
 
   // After a step that may have made vertices and faces of any shape: nothing is known of directions and valences.

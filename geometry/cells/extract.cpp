@@ -7,7 +7,7 @@ namespace meristem {
 namespace {
 
 template <class T>
-std::vector<T> gather(const std::vector<T>& from, const std::vector<std::uint32_t>& indices) {
+std::vector<T> gather(const std::vector<T>& from, std::span<const std::uint32_t> indices) {
   std::vector<T> result;
   if (from.empty()) return result;
   result.reserve(indices.size());
@@ -38,6 +38,8 @@ Mesh extract_faces(const Mesh& mesh, std::span<const std::uint32_t> faces) {
   part.vertex_sharpness = gather(mesh.vertex_sharpness, vertices.indices());
   part.nominal_scale = gather(mesh.nominal_scale, vertices.indices());
   part.frozen = gather(mesh.frozen, vertices.indices());
+  part.fading = gather(mesh.fading, vertices.indices());
+  part.enlargements = gather(mesh.enlargements, faces);
   part.origins = gather(mesh.origins, origins.indices());
   return part;
 }

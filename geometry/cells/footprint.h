@@ -18,6 +18,9 @@ class Footprint {
   virtual double at(Vec3d position) const = 0;
   static constexpr int times = 5;
   static constexpr float share_of_shutter(int time) { return float(time) / (times - 1); }
+  // Whether the last level of every vertex fades in as the footprint shrinks, so that what is shown is a continuous
+  // function of the footprint.
+  virtual bool fades() const { return false; }
   // At one of them.
   virtual double at(Vec3d position, int time) const {
     (void)time;
@@ -28,11 +31,13 @@ class Footprint {
 // The same everywhere: for objects so small or so far away that it hardly varies over them.
 class ConstantFootprint final : public Footprint {
  public:
-  explicit ConstantFootprint(double size) : size_(size) {}
+  explicit ConstantFootprint(double size, bool fades = false) : size_(size), fades_(fades) {}
   double at(Vec3d) const override { return size_; }
+  bool fades() const override { return fades_; }
 
  private:
   double size_;
+  bool fades_;
 };
 
 // A footprint seen from the space of an object that is placed where it holds.
@@ -43,6 +48,7 @@ class ObjectFootprint final : public Footprint {
   double at(Vec3d position, int time) const override {
     return parent_->at(to_parent_.point(position), time) / stretch_;
   }
+  bool fades() const override { return parent_->fades(); }
 
  private:
   const std::shared_ptr<const Footprint> parent_;

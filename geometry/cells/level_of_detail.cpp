@@ -1,6 +1,8 @@
 #include "geometry/cells/level_of_detail.h"
 
+#include "geometry/cells/fading.h"
 #include "geometry/cells/tessellation.h"
+#include "geometry/cells/thinning.h"
 #include "geometry/mesh/refine.h"
 
 #include <algorithm>
@@ -22,22 +24,60 @@ double mean_diagonal(const Mesh& mesh, std::uint32_t f) {
   return sum / double(c.size()) * (c.size() > 4 ? 2 : 1);  // a large polygon is about as wide as two of its edges
 }
 
+// A face on which something grows, and how large that is.
+class Bud {
+ public:
+  Bud(const Model& model, const CellMesh& cell, std::uint32_t f, int level)
+      : model_(model), origin_(origin_of(cell.mesh, f)), level_(level) {
+    const Mesh& mesh = cell.mesh;
+    Vec3d center;
+    for (std::uint32_t v : mesh.corners(f)) {
+      box_.extend(mesh.positions[v]);
+      center += mesh.positions[v] * (1.0 / mesh.corner_count(f));
+    }
+    for (std::uint32_t v : mesh.corners(f)) radius_ = std::max(radius_, length(mesh.positions[v] - center));
+    if (!mesh.enlargements.empty()) enlargement_ = double(mesh.enlargements[f].of_face);
+    footprint_ = cell.footprint->at(center);
+  }
+
+  double radius() const { return radius_; }
+  double footprint() const { return footprint_; }
+  // How far what grows reaches beyond the face. Dear.
+  double reach() const { return enlargement_ * model_.growth_reach(origin_, box_, radius_ / enlargement_, level_); }
+  // Whether anything of it is larger than so much.
+  bool exceeds(double size) const { return radius_ > size || reach() > size; }
+
+ private:
+  const Model& model_;
+  const FaceOrigin& origin_;
+  const int level_;
+  Bounds3d box_;
+  double radius_ = 0, enlargement_ = 1, footprint_ = 0;
+};
+
 // Whether something grows on the face at `level` or later that could be seen.
 bool has_visible_growth(const Model& model, const CellMesh& cell, std::uint32_t f, int level) {
-  const Mesh& mesh = cell.mesh;
-  const FaceOrigin& origin = origin_of(mesh, f);
-  if (!model.grows_later(origin.symbol, level)) return false;
-  if (model.thins_later(origin.symbol, level)) return true;
-  Bounds3d box;
-  Vec3d center;
-  for (std::uint32_t v : mesh.corners(f)) {
-    box.extend(mesh.positions[v]);
-    center += mesh.positions[v] * (1.0 / mesh.corner_count(f));
-  }
-  double radius = 0;
-  for (std::uint32_t v : mesh.corners(f)) radius = std::max(radius, length(mesh.positions[v] - center));
-  const double footprint = cell.footprint->at(center);
-  return radius > footprint || model.growth_reach(origin, box, radius, level) > footprint;
+  const std::int32_t symbol = origin_of(cell.mesh, f).symbol;
+  const int growing = model.growing_step(symbol, level);
+  if (growing == model.levels()) return false;
+  if (model.step(growing).thins()) return true;
+  const Bud bud(model, cell, f, level);
+  const bool may_be_enlarged = model.step(growing).thinning(symbol) > 0;
+  return bud.exceeds(bud.footprint() / (may_be_enlarged ? largest_enlargement : 1));
+}
+
+// What becomes of a bud whose symbol thins below so many footprints, and of what grows on it if it is kept. Twice as
+// fine as usual where it is small: a convex outline of few vertices on a curve covers less than the curve.
+Thinned thin_bud(const Bud& bud, double pixels, Key key, Enlargement& enlargement) {
+  constexpr double most_detail = 2;
+  const double wanted = pixels * bud.footprint();
+  if (bud.radius() >= 2 * most_detail * wanted) return {};
+  const double size = bud.radius() + bud.reach();
+  enlargement.detail = float(std::clamp(2 * most_detail * wanted / size, 1.0, most_detail));
+  const Thinned result = thin(size / wanted, uniform_double(hash_keys(key, thinning_tag)));
+  enlargement.of_growth =
+      float(std::clamp(double(enlargement.of_face) * result.enlargement, smallest_enlargement, largest_enlargement));
+  return result;
 }
 
 // The footprint is the wanted length of edges; the scale is a diagonal.
@@ -103,9 +143,11 @@ class Freezing {
     const LimitSurface surface = shown_surface(cell_, model_.smoothing(level_));
     const std::vector<Vec2d> uv = vertex_uv(mesh_);
     for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v)
-      if (is_candidate_[v])
-        mesh_.frozen[v] = {true, false, Vec3f(surface.positions[v]), Vec3f(surface.normals[v]),
-                           Vec2f{float(uv[v].x), float(uv[v].y)}};
+      if (is_candidate_[v]) {
+        const FadingVertex shown = faded(mesh_, v, Vec3f(surface.positions[v]), Vec3f(surface.normals[v]),
+                                         Vec2f{float(uv[v].x), float(uv[v].y)});
+        mesh_.frozen[v] = {true, false, shown.position, shown.normal, shown.uv};
+      }
   }
 
  private:
@@ -161,12 +203,28 @@ void leave_out_small_growth(const Model& model, CellMesh& cell, int level) {
   Mesh& mesh = cell.mesh;
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     const FaceOrigin& origin = origin_of(mesh, f);
-    if (!model.step(level).grows(origin.symbol) || has_visible_growth(model, cell, f, level)) continue;
+    if (!model.step(level).grows(origin.symbol)) continue;
+    bool is_kept = has_visible_growth(model, cell, f, level);
+    const double pixels = model.step(level).thinning(origin.symbol);
+    if (is_kept && pixels > 0) {
+      Enlargement e = mesh.enlargements.empty() ? Enlargement{} : mesh.enlargements[f];
+      is_kept = thin_bud(Bud(model, cell, f, level), pixels, mesh.face_keys[f], e).is_kept;
+      if (is_kept && (e.of_growth != e.of_face || e.detail != 1)) mesh.enlargements.resize(mesh.face_count());
+      if (is_kept && !mesh.enlargements.empty()) mesh.enlargements[f] = e;
+    }
+    if (is_kept) continue;
     FaceOrigin terminal = origin;
     terminal.symbol = omitted_symbol(origin.symbol);
     mesh.face_origins[f] = std::uint32_t(mesh.origins.size());
     mesh.origins.push_back(terminal);
   }
+}
+
+double share_of_level(const Model& model, double scale, double footprint, int level) {
+  if (is_fine_enough(model, scale, footprint, level)) return 1;
+  const double excess =
+      std::max(scale / (std::numbers::sqrt2 * footprint), model.remaining_offset(level, scale) / footprint) - 1;
+  return std::clamp(excess, 0.0, 1.0);
 }
 
 double wanted_faces(const Model& model, const CellMesh& cell, std::uint32_t face, int level) {
@@ -202,7 +260,8 @@ void measure_nominal_scale(const Model& model, CellMesh& cell, int level) {
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     const auto corners = mesh.corners(f);
     if (std::none_of(corners.begin(), corners.end(), [&](auto v) { return mesh.nominal_scale[v] == 0; })) continue;
-    const double diagonal = model.quantum().round(mean_diagonal(mesh, f));
+    const double detail = mesh.enlargements.empty() ? 1 : double(mesh.enlargements[f].detail);
+    const double diagonal = model.quantum().round(detail * mean_diagonal(mesh, f));
     for (std::uint32_t v : corners) {
       sums[v] += diagonal;
       ++counts[v];

@@ -20,7 +20,13 @@ namespace meristem {
 // halo alone, and without a footprint: all that are left).
 bool freeze_vertices(const Model& model, CellMesh& cell, int level, std::vector<std::uint8_t>* wanted = nullptr);
 
-// Takes the symbols of faces on which everything that will ever grow is smaller than the footprint. They carry none
+// The share of step `level` in what is shown of a vertex of that nominal scale that is not frozen, where levels fade
+// in: by how much the larger of its size and of what may still be added to it exceeds the wanted one. All of it, if it
+// is fine enough: then it bears what is still to grow.
+double share_of_level(const Model& model, double scale, double footprint, int level);
+
+// Takes the symbols of faces on which everything that will ever grow is smaller than the footprint, and, where symbols
+// thin, of some of those on which all is small; on the others it will be larger (thinning.h). They carry none
 // then, as far as a sign tells, but remember which it was: for rules that ask what stands beside them.
 void leave_out_small_growth(const Model& model, CellMesh& cell, int level);
 constexpr std::int16_t omitted_symbol(std::int16_t symbol) { return std::int16_t(-2 - symbol); }

@@ -1,6 +1,7 @@
 #include "geometry/cells/look_ahead.h"
 
 #include "geometry/base/parallel.h"
+#include "geometry/cells/fading.h"
 #include "geometry/cells/level_of_detail.h"
 #include "geometry/mesh/contraction.h"
 #include "geometry/mesh/refine.h"
@@ -298,6 +299,7 @@ class Lookahead {
   }
 
   void apply_step() {
+    if (model_.step(level_).refines()) begin_fading(model_, ahead_, level_);
     CellMesh out;
     model_.step(level_).apply(ahead_, model_.halo_rings(level_ + 1), out);
     out.footprint = ahead_.footprint;
@@ -314,11 +316,10 @@ class Lookahead {
   // Vertices that later levels would move, but which are shown where they are.
   void add_frozen(std::span<Outlook> groups, const std::vector<bool>& is_asked) const {
     const Mesh& mesh = ahead_.mesh;
-    if (mesh.frozen.empty()) return;
+    if (mesh.frozen.empty() && mesh.fading.empty()) return;
     std::vector<Bounds3d> frozen(groups.size());
     for (std::uint32_t f = 0; f < ahead_.owned_faces; ++f)
-      for (std::uint32_t v : mesh.corners(f))
-        if (mesh.frozen[v].is_frozen) frozen[ahead_.labels[f]].extend(Vec3d(mesh.frozen[v].position));
+      for (std::uint32_t v : mesh.corners(f)) extend_by_earlier_levels(mesh, v, frozen[ahead_.labels[f]]);
     for (std::size_t g = 0; g < groups.size(); ++g)
       if (is_asked[g] && !frozen[g].empty())
         groups[g].bounds.extend(frozen[g].inflated(Vec3d(model_.quantum().step())));

@@ -35,7 +35,9 @@ Model::Model(std::string name, Mesh base, std::vector<std::unique_ptr<Step>> ste
   std::vector<std::uint32_t> faces(base.face_count());
   std::iota(faces.begin(), faces.end(), 0u);
   base_extent_ = region_extent(*this, base, Adjacency(base), faces, 0);
-  const Bounds3d bounds = final_bounds(*this, base_extent_, 0);
+  Extent seen_anyhow = base_extent_;
+  seen_anyhow.may_thin = true;
+  const Bounds3d bounds = final_bounds(*this, seen_anyhow, 0);
   const double reach = std::max(max_component(abs(bounds.lower)), max_component(abs(bounds.upper)));
   if (bounds.empty() || !std::isfinite(reach))
     throw std::runtime_error(fmt::format("model \"{}\" has no finite bounds", name_));
@@ -118,11 +120,6 @@ int Model::growing_step(std::int32_t symbol, int level) const {
   if (symbol < 0) return levels();
   while (level < levels() && !step(level).grows(symbol)) ++level;
   return level;
-}
-
-bool Model::thins_later(std::int32_t symbol, int level) const {
-  const int growing = growing_step(symbol, level);
-  return growing < levels() && step(growing).thins();
 }
 
 double Model::estimated_faces(std::uint32_t corners, std::int32_t symbol, int level) const {

@@ -52,8 +52,6 @@ class Model {
   // What the steps from `level` on may still add, where the local scale before them is `scale`: the sum of their
   // longest displacements. An estimate: that refinement halves the scale is not exact. From a table.
   double remaining_offset(int level, double scale) const;
-  // Whether that step thins what is small by itself.
-  bool thins_later(std::int32_t symbol, int level) const;
   // Whether faces may be dropped at `level` or later.
   bool drops_faces_later(int level) const;
   // Whether exactly two refinements lie between `level` and the last step before it that does not refine.

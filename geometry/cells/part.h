@@ -23,7 +23,8 @@ struct Placement {
   bool is_shared = false;  // others with this part and individual stand elsewhere: they share expanded cells where the
                            // wanted level of detail agrees
   bool in_full = false;    // whatever the footprint
-  Bounds3f known_bounds = {};  // of this individual, in its own frame, if known better than the part's; else empty
+  bool is_one_of_many = false;  // and is_shared: shares them even where levels fade in, which then do so by steps
+  Bounds3f known_bounds = {};   // of this individual, in its own frame, if known better than the part's; else empty
   // What is seen smaller than so many footprints is shown as this individual instead, which shares expanded cells with
   // others as above; 0: never.
   Key stand_in = 0;

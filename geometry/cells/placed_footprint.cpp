@@ -28,6 +28,7 @@ class MovingFootprint final : public Footprint {
     return least;
   }
   double at(Vec3d position, int time) const override { return at_times_[std::size_t(time)].at(position, time); }
+  bool fades() const override { return at_times_[0].fades(); }
 
  private:
   std::vector<ObjectFootprint> at_times_;
@@ -47,7 +48,7 @@ std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Fo
   if (!parent || placement.in_full) return nullptr;
   auto exact = exact_footprint(parent, placement);
   const Bounds3f& bounds = placed_bounds(placement);
-  if (bounds.empty()) return exact;
+  if (bounds.empty() || (exact->fades() && !placement.is_one_of_many)) return exact;
   double least = exact->at(Vec3d(bounds.center())), most = least;
   for (int i = 0; i < 8; ++i) {
     const double at_corner =
@@ -57,9 +58,10 @@ std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Fo
     most = std::max(most, at_corner);
   }
   if (most > most_variation * least) return exact;
-  if (!placement.is_shared) return std::make_shared<ConstantFootprint>(least);
+  if (!placement.is_shared) return std::make_shared<ConstantFootprint>(least, exact->fades());
   return std::make_shared<ConstantFootprint>(
-      std::exp2(std::floor(std::log2(least) * footprint_steps_per_octave) / footprint_steps_per_octave));
+      std::exp2(std::floor(std::log2(least) * footprint_steps_per_octave) / footprint_steps_per_octave),
+      exact->fades());
 }
 
 Placement shown_placement(const Placement& placement, const std::shared_ptr<const Footprint>& footprint) {
@@ -67,6 +69,7 @@ Placement shown_placement(const Placement& placement, const std::shared_ptr<cons
   Placement other = placement;
   other.individual = placement.stand_in;
   other.is_shared = true;
+  other.is_one_of_many = true;
   const double size = constant_size(placed_footprint(footprint, other).get());
   return max_component(placed_bounds(placement).size()) < placement.stand_in_below * size ? other : placement;
 }

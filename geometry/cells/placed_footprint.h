@@ -14,7 +14,8 @@ const Bounds3f& placed_bounds(const Placement& placement);
 Placement shown_placement(const Placement& placement, const std::shared_ptr<const Footprint>& footprint);
 
 // In the frame of a part whose parent's footprint is given (null, and a part in full: null). Where it hardly varies
-// over the part it is constant, the least of it, so that other placements can share what is expanded.
+// over the part it is constant, the least of it, so that other placements can share what is expanded. Where levels
+// fade in, only of one of many, since a shared one changes by steps.
 std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Footprint>& parent,
                                                   const Placement& placement);
 

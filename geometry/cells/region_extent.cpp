@@ -1,5 +1,6 @@
 #include "geometry/cells/region_extent.h"
 
+#include "geometry/cells/fading.h"
 #include "geometry/mesh/contraction.h"
 
 #include <algorithm>
@@ -150,11 +151,15 @@ class ExtentBuilder {
     const FaceFrame frame = face_frame(mesh_, f);
     double radius = 0;
     for (std::uint32_t v : mesh_.corners(f)) radius = std::max(radius, length(mesh_.positions[v] - frame.origin));
+    const float enlargement = mesh_.enlargements.empty() ? 1 : mesh_.enlargements[f].of_face;
+    radius /= double(enlargement);
     auto range = std::find_if(extent_.symbols.begin(), extent_.symbols.end(),
                               [&](const SymbolRange& s) { return s.symbol == origin.symbol; });
     const bool is_new = range == extent_.symbols.end();
-    if (is_new) range = extent_.symbols.insert(range, SymbolRange{origin.symbol, {}, 0});
+    if (is_new) range = extent_.symbols.insert(range, SymbolRange{origin.symbol, {}, 0, {enlargement, enlargement}});
     range->radius = std::max(range->radius, std::nextafterf(float(radius), INFINITY));
+    range->enlargement = {std::min(range->enlargement.lower, enlargement),
+                          std::max(range->enlargement.upper, enlargement)};
     for (std::size_t i = 0; i < range->parameters.size(); ++i) {
       Interval& p = range->parameters[i];
       const float x = origin.parameters[i];
@@ -189,13 +194,12 @@ Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adja
 
 namespace {
 
-// Where vertices of the faces stay that were fine enough on an earlier level: later ones have moved away from there.
+// Where vertices of the faces stay, or fade in from, that were shown on an earlier level: later ones have moved away.
 Bounds3d frozen_bounds(const Model& model, const Mesh& mesh, std::span<const std::uint32_t> faces) {
   Bounds3d bounds;
-  if (mesh.frozen.empty()) return bounds;
+  if (mesh.frozen.empty() && mesh.fading.empty()) return bounds;
   for (std::uint32_t f : faces)
-    for (std::uint32_t v : mesh.corners(f))
-      if (mesh.frozen[v].is_frozen) bounds.extend(Vec3d(mesh.frozen[v].position));
+    for (std::uint32_t v : mesh.corners(f)) extend_by_earlier_levels(mesh, v, bounds);
   return bounds.empty() ? bounds : bounds.inflated(Vec3d(model.quantum().step()));
 }
 
@@ -205,7 +209,9 @@ Bounds3d region_bounds(const Model& model, const CellMesh& cell, const Adjacency
                        std::span<const std::uint32_t> faces, int level, int derived_levels) {
   const Mesh& mesh = cell.mesh;
   const auto bounds_of = [&](std::span<const std::uint32_t> part) {
-    return final_bounds(model, region_extent(model, mesh, adjacency, part, level), level);
+    Extent e = region_extent(model, mesh, adjacency, part, level);
+    e.may_thin = cell.footprint != nullptr;
+    return final_bounds(model, e, level);
   };
   std::vector<std::uint32_t> derived, others;
   Bounds3d box;

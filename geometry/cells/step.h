@@ -77,6 +77,12 @@ class Step {
   // Whether the step itself makes less of what is smaller than the cell's footprint, so that nothing is to be left out
   // before it.
   virtual bool thins() const { return false; }
+  // Below how many footprints what grows on faces with this symbol is thinned before the step (thinning.h); 0: it is
+  // not.
+  virtual double thinning(std::int32_t symbol) const {
+    (void)symbol;
+    return 0;
+  }
   // About how many final faces come of one with that origin where faces are wanted `footprint` large, if each that can
   // be refined further becomes `refined`.
   virtual double thinned_faces(const FaceOrigin& origin, double footprint, double refined) const {

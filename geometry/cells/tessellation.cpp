@@ -1,6 +1,7 @@
 #include "geometry/cells/tessellation.h"
 
 #include "geometry/base/check.h"
+#include "geometry/cells/fading.h"
 #include "geometry/mesh/face_sums.h"
 #include "geometry/mesh/refine.h"
 
@@ -216,9 +217,11 @@ class Tessellator {
       vertex_uv_.push_back(frozen.uv);
       return std::uint32_t(out_.positions.size()) - 1;
     }
-    out_.positions.push_back(Vec3f(surface_->positions[v]));
-    out_.normals.push_back(PackedNormal::pack(Vec3f(surface_->normals[v])));
-    vertex_uv_.push_back({float(surface_->uv[v].x), float(surface_->uv[v].y)});
+    const FadingVertex shown = faded(mesh_, v, Vec3f(surface_->positions[v]), Vec3f(surface_->normals[v]),
+                                     Vec2f{float(surface_->uv[v].x), float(surface_->uv[v].y)});
+    out_.positions.push_back(shown.position);
+    out_.normals.push_back(PackedNormal::pack(shown.normal));
+    vertex_uv_.push_back(shown.uv);
     return std::uint32_t(out_.positions.size()) - 1;
   }
   std::uint32_t shared_vertex(std::uint32_t v) {

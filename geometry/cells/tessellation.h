@@ -88,8 +88,8 @@ struct DoneFaces {
 };
 
 // Of the final mesh of a cell after `level` steps, with one ring of halo, and of what was done before. Positions and
-// normals are those of shown_surface(), frozen vertices are shown where they were frozen; squares in which the last
-// refinements made nothing but copies become coarser grids.
+// normals are those of shown_surface(), frozen vertices are shown where they were frozen, others faded in (fading.h);
+// squares in which the last refinements made nothing but copies become coarser grids.
 Tessellation tessellate(const CellMesh& cell, int level, const Squares& squares,
                         const std::optional<Smoothing>& smoothing, std::span<const DoneFaces> done = {});
 

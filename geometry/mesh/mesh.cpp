@@ -51,7 +51,7 @@ std::size_t Mesh::bytes() const {
          capacity_bytes(face_origins) + capacity_bytes(corner_uv) + capacity_bytes(corner_sharpness) +
          capacity_bytes(positions) + capacity_bytes(vertex_keys) + capacity_bytes(uv) +
          capacity_bytes(vertex_sharpness) + capacity_bytes(nominal_scale) + capacity_bytes(frozen) +
-         capacity_bytes(origins);
+         capacity_bytes(fading) + capacity_bytes(enlargements) + capacity_bytes(origins);
 }
 
 std::uint32_t Mesh::add_face(std::span<const std::uint32_t> vertices, Key key, std::uint32_t origin) {

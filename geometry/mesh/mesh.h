@@ -28,12 +28,29 @@ struct FrozenVertex {
   Vec2f uv;
 };
 
+// A vertex whose last level fades in (geometry/cells/fading.h): where it would be shown without that level, and the
+// share of its own place.
+struct FadingVertex {
+  float share = 1;
+  Vec3f position;
+  Vec3f normal;
+  Vec2f uv;
+};
+
+// A face that stands for others that were left out (geometry/cells/thinning.h): by how much it is larger than its rule
+// says, and what grows on it; and by how much finer than others it is refined.
+struct Enlargement {
+  float of_face = 1, of_growth = 1;
+  float detail = 1;
+};
+
 struct Mesh {
   // Faces: corners of face f are corner_vertices[face_starts[f] .. face_starts[f + 1])
   std::vector<std::uint32_t> face_starts{0};
   std::vector<std::uint32_t> corner_vertices;
   std::vector<Key> face_keys;
   std::vector<std::uint32_t> face_origins;  // index into origins: what growth gave the face
+  std::vector<Enlargement> enlargements;    // empty: none; or one a face
 
   // Corners. Empty or one a corner.
   std::vector<Vec2d> corner_uv;  // present from the base mesh through growth: each face's own u, v; averaged into `uv`
@@ -49,6 +66,7 @@ struct Mesh {
   // Level of detail (geometry/cells/level_of_detail.h); empty where everything is wanted in full.
   std::vector<double> nominal_scale;  // the local scale that refinement alone leaves; 0: not measured yet
   std::vector<FrozenVertex> frozen;   // empty: none is
+  std::vector<FadingVertex> fading;   // empty: levels do not fade in
 
   std::vector<FaceOrigin> origins;
 

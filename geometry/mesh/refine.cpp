@@ -191,7 +191,8 @@ std::vector<double> refined_nominal_scale(const Mesh& mesh, const RefinePlan& pl
 }
 
 // A vertex on an edge whose ends are both frozen is shown at one of these, a vertex in a face all of whose corners are
-// at the first of these: so faces that are as fine as wanted stay whole, and both sides of an edge agree.
+// at the first of these: so faces that are as fine as wanted stay whole, and both sides of an edge agree. Where levels
+// fade in, at the second of a quad's, so that it is cut by the same diagonal as when it is shown by itself.
 std::vector<FrozenVertex> refined_frozen(const Mesh& mesh, const RefinePlan& plan) {
   const std::vector<FrozenVertex>& in = mesh.frozen;
   std::vector<FrozenVertex> out(in.empty() ? 0 : plan.kept_vertices);
@@ -204,13 +205,40 @@ std::vector<FrozenVertex> refined_frozen(const Mesh& mesh, const RefinePlan& pla
     const auto corners = mesh.corners(v.face);
     if (v.out < plan.kept_vertices &&
         std::all_of(corners.begin(), corners.end(), [&](auto c) { return in[c].is_frozen; }))
-      copy(corners[0], v.out);
+      copy(corners[!mesh.fading.empty() && corners.size() == 4 ? 1 : 0], v.out);
   }
   for (const auto& v : plan.edge_vertices)
     if (v.out < plan.kept_vertices && in[v.ends[0]].is_frozen && in[v.ends[1]].is_frozen)
       copy(v.ends[mesh.vertex_keys[v.ends[0]] < mesh.vertex_keys[v.ends[1]] ? 0 : 1], v.out);
   for (const auto& v : plan.vertex_vertices)
     if (v.out < plan.kept_vertices) out[v.out] = in[v.vertex];
+  return out;
+}
+
+// On the surface that was shown before: at the middle of an edge, and in a face on the diagonal by which it was cut
+// (tessellation.h).
+FadingVertex middle_of(const Mesh& mesh, std::uint32_t a, std::uint32_t b) {
+  const FadingVertex &v = mesh.fading[a], &w = mesh.fading[b];
+  return {std::max(v.share, w.share), (v.position + w.position) * 0.5f, normalize(v.normal + w.normal),
+          (v.uv + w.uv) * 0.5f};
+}
+
+FadingVertex middle_of_face(const Mesh& mesh, std::span<const std::uint32_t> corners) {
+  const std::size_t n = corners.size();
+  FadingVertex middle = n == 4 ? middle_of(mesh, corners[1], corners[3]) : middle_of(mesh, corners[0], corners[n / 2]);
+  for (std::uint32_t c : corners) middle.share = std::max(middle.share, mesh.fading[c].share);
+  return middle;
+}
+
+std::vector<FadingVertex> refined_fading(const Mesh& mesh, const RefinePlan& plan) {
+  std::vector<FadingVertex> out(mesh.fading.empty() ? 0 : plan.kept_vertices);
+  if (out.empty()) return out;
+  for (const auto& v : plan.face_vertices)
+    if (v.out < plan.kept_vertices) out[v.out] = middle_of_face(mesh, mesh.corners(v.face));
+  for (const auto& v : plan.edge_vertices)
+    if (v.out < plan.kept_vertices) out[v.out] = middle_of(mesh, v.ends[0], v.ends[1]);
+  for (const auto& v : plan.vertex_vertices)
+    if (v.out < plan.kept_vertices) out[v.out] = mesh.fading[v.vertex];
   return out;
 }
 
@@ -290,9 +318,12 @@ RefinedMesh refine(const Mesh& mesh, const RefinePlan& plan, const Quantum& quan
   out.vertex_keys = refined_vertex_keys(mesh, plan, step_key);
   out.nominal_scale = refined_nominal_scale(mesh, plan);
   out.frozen = refined_frozen(mesh, plan);
+  out.fading = refined_fading(mesh, plan);
   out.origins = mesh.origins;
   out.face_origins.reserve(plan.face_parents.size());
   for (std::uint32_t parent : plan.face_parents) out.face_origins.push_back(mesh.face_origins[parent]);
+  if (!mesh.enlargements.empty())
+    for (std::uint32_t parent : plan.face_parents) out.enlargements.push_back(mesh.enlargements[parent]);
   return refined;
 }
 

@@ -2,6 +2,7 @@
 
 #include "geometry/base/check.h"
 #include "geometry/cells/level_of_detail.h"
+#include "geometry/cells/thinning.h"
 #include "geometry/mesh/adjacency.h"
 
 #include <fmt/format.h>
@@ -16,6 +17,8 @@ namespace {
 constexpr int max_steps = 64;
 constexpr const char* rules_schema = R"({"type":"object","additionalProperties":
 {"anyOf":[{"type":"object"},{"type":"array","items":{"type":"object"}}]}})";
+constexpr const char* thinning_schema = R"({"type":"object","additionalProperties":
+{"type":"number","exclusiveMinimum":0,"maximum":64}})";
 
 constexpr Key vertex_tag = hash_text("grown vertex"), face_tag = hash_text("grown face"),
               choice_tag = hash_text("choice");
@@ -36,6 +39,7 @@ void merge(const SymbolRange& range, std::vector<SymbolRange>& list) {
     for (std::size_t i = 0; i < known.parameters.size(); ++i)
       known.parameters[i] = hull(known.parameters[i], range.parameters[i]);
     known.radius = std::max(known.radius, range.radius);
+    known.enlargement = hull(known.enlargement, range.enlargement);
     return;
   }
   list.push_back(range);
@@ -106,6 +110,7 @@ class GrowStep::Application {
     o.vertex_sharpness = m.vertex_sharpness;
     o.nominal_scale = m.nominal_scale;
     o.frozen = m.frozen;
+    o.fading = m.fading;
     has_sharpness_ = !m.corner_sharpness.empty();
     step.rules_->for_each([&](const Production& p) { has_sharpness_ = has_sharpness_ || p.crease() > 0; });
     kept_origins_.assign(m.origins.size(), unused);
@@ -141,6 +146,11 @@ class GrowStep::Application {
       o.origins.push_back(origin(f));
     }
     o.add_face(m.corners(f), m.face_keys[f], kept);
+    if (!m.enlargements.empty()) {
+      // What no rule has grown on is as it was before the step
+      const Enlargement& e = m.enlargements[f];
+      o.enlargements.push_back({e.of_face, e.of_face, step_.grows(origin(f).symbol) ? 1 : e.detail});
+    }
     for (std::uint32_t c = m.face_starts[f]; c < m.face_starts[f + 1]; ++c) {
       if (by_corners()) o.corner_uv.push_back(m.corner_uv[c]);
       if (has_sharpness_) o.corner_sharpness.push_back(sharpness(c));
@@ -180,6 +190,7 @@ class GrowStep::Application {
     grown_.clear(std::uint32_t(corners_.size()));
     p->part().shape->grow({corners_, uv_, frame_, template_values_}, grown_);
     if (p->crease() > 0) grown_.crease_inner_edges(p->crease());
+    enlarge();
     add_vertices(key);
     add_faces(f, *p, parent, values, salt);
     return true;
@@ -197,17 +208,31 @@ class GrowStep::Application {
     return count;
   }
 
-  // The replaced face's own corners, in their order.
+  // The replaced face's own corners, in their order, as large as if nothing had been thinned.
   void gather(std::uint32_t f) {
     const Mesh& m = in_.mesh;
     frame_ = face_frame(m, f);
+    enlargement_ = m.enlargements.empty() ? Enlargement{} : m.enlargements[f];
+    frame_.radius /= double(enlargement_.of_face);
     corners_.clear();
     uv_.clear();
     for (std::uint32_t c = m.face_starts[f]; c < m.face_starts[f + 1]; ++c) {
       const std::uint32_t v = m.corner_vertices[c];
-      corners_.push_back(m.positions[v]);
+      corners_.push_back(scaled(m.positions[v], frame_.origin, 1 / double(enlargement_.of_face)));
       uv_.push_back(by_corners() ? m.corner_uv[c] : m.uv.empty() ? Vec2d{} : m.uv[v]);
     }
+  }
+
+  static Vec3d scaled(Vec3d p, Vec3d center, double factor) { return factor == 1 ? p : center + (p - center) * factor; }
+
+  // Where a face thins, about the middle of what grows on it, so that outlines are blurred but stay.
+  void enlarge() {
+    const auto [of_face, of_growth, detail] = enlargement_;
+    for (Vec3d& p : grown_.vertices) p = scaled(p, frame_.origin, double(of_face));
+    if (of_growth == of_face || grown_.vertices.empty()) return;
+    Vec3d middle;
+    for (Vec3d p : grown_.vertices) middle += p * (1.0 / double(grown_.vertices.size()));
+    for (Vec3d& p : grown_.vertices) p = scaled(p, middle, double(of_growth) / double(of_face));
   }
 
   Vec2d center_uv() const {
@@ -224,6 +249,7 @@ class GrowStep::Application {
     if (!o.vertex_sharpness.empty()) o.vertex_sharpness.resize(o.positions.size(), 0);
     if (!o.nominal_scale.empty()) o.nominal_scale.resize(o.positions.size(), 0);
     if (!o.frozen.empty()) o.frozen.resize(o.positions.size());
+    if (!o.fading.empty()) o.fading.resize(o.positions.size());
     if (!o.uv.empty()) add_vertex_uv();
   }
 
@@ -253,6 +279,8 @@ class GrowStep::Application {
       const Key key = hash_keys(parent_key, step_.key_salt_, face_tag, i);
       o.origins.push_back(p.origin(grown_.names[i], parent, values, parent_key, salt, key));
       o.add_face(face_, key, std::uint32_t(o.origins.size()) - 1);
+      if (!in_.mesh.enlargements.empty())
+        o.enlargements.push_back({enlargement_.of_growth, enlargement_.of_growth, enlargement_.detail});
       for (std::size_t c = 0; c < face.size(); ++c)
         add_corner(f, grown_.face_starts[i] + c, face[c], face[(c + 1) % face.size()]);
     }
@@ -275,6 +303,7 @@ class GrowStep::Application {
   std::vector<std::uint32_t> kept_origins_;  // by index before: index after
   std::uint32_t first_vertex_ = 0;
   FaceFrame frame_;
+  Enlargement enlargement_;
   std::vector<Vec3d> corners_;
   std::vector<Vec2d> uv_;
   std::vector<Vec3d> template_values_;
@@ -314,21 +343,32 @@ Extent GrowStep::bound(const Extent& e) const {
 void GrowStep::add_growth(const Production& p, const SymbolRange& parent, const Extent& before,
                           std::span<const IntervalValue> values, Extent& after) const {
   const std::vector<Bounds3d> template_values = p.template_bounds(values);
+  const bool may_thin = before.may_thin && thinning(parent.symbol) > 0;
+  const Interval enlargement =
+      may_thin ? Interval{float(smallest_enlargement), float(largest_enlargement)} : parent.enlargement;
+  const double largest = double(enlargement.upper), radius = double(parent.radius * parent.enlargement.upper);
   const Reach reach = p.part().shape->bound({parent.radius, before.u, before.v, template_values});
   // Each coordinate is rounded by up to half a step, and computed with a relative error far below 1e-12 of the region's
   // size
-  const double size = max_component(max(abs(before.box.lower), abs(before.box.upper))) + reach.distance;
+  // About a middle that may be as far away: (distance of the middle) + enlargement * (twice the distance)
+  const double distance = reach.distance * (may_thin ? double(parent.enlargement.upper) + 2 * largest : largest);
+  const double size = max_component(max(abs(before.box.lower), abs(before.box.upper))) + distance;
   const double slack = 2 * quantum_.step() + 1e-12 * size;
-  after.box.extend(before.box.inflated(Vec3d(reach.distance + slack)));
-  after.edge = std::max(after.edge, reach.edge + 2 * slack);
+  after.box.extend(before.box.inflated(Vec3d(distance + slack)));
+  const double edge = std::max(largest * reach.edge, may_thin ? distance + radius : 0);
+  after.edge = std::max(after.edge, edge + 2 * slack);
   after.forget_shape();
   after.u = hull(after.u, with_margin(reach.u));
   after.v = hull(after.v, with_margin(reach.v));
   for (std::size_t name = 0; name < reach.face_radius.size(); ++name) {
     const Successor& s = p.successor(int(name));
     if (!grows_later(s.symbol())) continue;
-    const double radius = reach.face_radius[name] + 2 * slack;
-    merge({s.symbol(), s.bounds(values), std::nextafterf(float(radius), INFINITY)}, after.symbols);
+    // Of faces between the border and what is enlarged, as far apart as they may be, in units of their enlargement
+    const double across = may_thin ? reach.distance * (double(parent.enlargement.upper) / smallest_enlargement + 2) +
+                                         radius / smallest_enlargement
+                                   : 0;
+    const double face_radius = std::max(reach.face_radius[name], across) + 2 * slack / double(enlargement.lower);
+    merge({s.symbol(), s.bounds(values), std::nextafterf(float(face_radius), INFINITY), enlargement}, after.symbols);
   }
 }
 
@@ -404,11 +444,14 @@ namespace {
 
 struct GrowParams {
   int count;
-  const Value* rules;
+  const Value *rules, *thinning;
   Vec3d light;
   explicit GrowParams(Params& params) {
     count = params.integer("grow", 1, {0, max_steps, ""}, "how many times the rules are applied");
     rules = params.raw("rules", true, rules_schema, "for each symbol its rule, or several to choose from");
+    thinning = params.raw("thinning", false, thinning_schema,
+                          "symbols of which fewer grow, and those larger, where all that grows on a face is smaller "
+                          "than so many pixels, such as { \"leaf\": 4 }");
     light = params.vector("light", {0, 1, 0}, any_range,
                           "direction towards the light, in model space; the rules see it as \"light\", of unit length");
   }
@@ -426,7 +469,8 @@ std::vector<std::unique_ptr<GrowStep>> make_grow_steps(const Value& step_object,
   if (!grow.rules) return steps;
   const int last_step = context.next_step + grow.count - 1;
   const auto rules =
-      std::make_shared<const GrowthRules>(*grow.rules, Vec3f(normalize(grow.light)), last_step, context, diagnostics);
+      std::make_shared<GrowthRules>(*grow.rules, Vec3f(normalize(grow.light)), last_step, context, diagnostics);
+  if (grow.thinning) rules->read_thinning(*grow.thinning, *context.symbols, diagnostics);
   for (int level = 0; level < grow.count; ++level)
     steps.push_back(std::make_unique<GrowStep>(rules, context.symbols, context.next_step++, level, context.seed));
   return steps;

@@ -181,6 +181,30 @@ bool GrowthRules::uses_neighbors() const {
   return uses;
 }
 
+void GrowthRules::read_thinning(const Value& thinning, const GrowthSymbols& symbols, Diagnostics& diagnostics) {
+  constexpr double largest = 64;
+  if (thinning.kind != Value::Kind::Object)
+    return diagnostics.error(
+        thinning.location,
+        fmt::format("expected an object: symbols and sizes in pixels, such as {{ \"leaf\": 4 }}; found {}",
+                    thinning.kind_name()));
+  std::vector<std::string> known;
+  for (int s = 0; s < symbols.size(); ++s)
+    if (!of(s).empty()) known.push_back(symbols.entry(s).name);
+  thinning_.assign(std::size_t(symbols.size()), 0);
+  for (const Member& m : thinning.members) {
+    const int symbol = symbols.find(m.key);
+    if (symbol < 0 || of(symbol).empty())
+      diagnostics.error(m.key_location, fmt::format("this step has no rule for a symbol \"{}\"{}; known: {}", m.key,
+                                                    suggestion(m.key, known), fmt::join(known, ", ")));
+    else if (m.value.kind != Value::Kind::Number || !(m.value.number > 0 && m.value.number <= largest))
+      diagnostics.error(m.value.location,
+                        fmt::format("\"{}\" thins below a size in pixels above 0 and at most {}", m.key, largest));
+    else
+      thinning_[std::size_t(symbol)] = m.value.number;
+  }
+}
+
 std::span<const Production> GrowthRules::of(std::int32_t symbol) const {
   if (symbol < 0 || std::size_t(symbol) >= by_symbol_.size()) return {};
   return by_symbol_[std::size_t(symbol)];

@@ -77,10 +77,18 @@ class GrowthRules {
   // Reads the object of rules; `last_step` is the last of the model's grow steps that uses them, `light` a unit vector.
   GrowthRules(const Value& rules, Vec3f light, int last_step, GrowContext& context, Diagnostics& diagnostics);
 
+  // Reads which of the symbols thin, an object such as { "leaf": 4 }.
+  void read_thinning(const Value& thinning, const GrowthSymbols& symbols, Diagnostics& diagnostics);
+
   // The direction of light that they see.
   Vec3f light() const { return light_; }
   // Whether what comes of a face depends on those beside it.
   bool uses_neighbors() const;
+
+  // Below how many pixels what grows on faces with the symbol is thinned; 0: it is not.
+  double thinning(std::int32_t symbol) const {
+    return symbol >= 0 && std::size_t(symbol) < thinning_.size() ? thinning_[std::size_t(symbol)] : 0;
+  }
 
   // The productions of a symbol; empty if it has none.
   std::span<const Production> of(std::int32_t symbol) const;
@@ -95,6 +103,7 @@ class GrowthRules {
 
   Vec3f light_;
   std::vector<std::vector<Production>> by_symbol_;
+  std::vector<double> thinning_;  // by symbol
 };
 
 }  // namespace meristem

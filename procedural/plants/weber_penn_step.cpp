@@ -225,6 +225,7 @@ class WeberPennStep::Application {
     if (!in_.mesh.vertex_sharpness.empty()) o.vertex_sharpness.resize(o.positions.size(), 0);
     if (!in_.mesh.nominal_scale.empty()) o.nominal_scale.resize(o.positions.size());
     if (!in_.mesh.frozen.empty() || !o.frozen.empty()) o.frozen.resize(o.positions.size());
+    if (!in_.mesh.fading.empty()) o.fading.resize(o.positions.size());
   }
 
  private:
@@ -261,6 +262,7 @@ class WeberPennStep::Application {
     o.add_vertex(m.positions[v], m.vertex_keys[v]);
     keep_detail(m.nominal_scale, v, o.nominal_scale);
     keep_detail(m.frozen, v, o.frozen);
+    keep_detail(m.fading, v, o.fading);
     return kept = o.vertex_count() - 1;
   }
 

@@ -238,6 +238,7 @@ Placement Scatter::placement(Vec3d position, Vec3d normal, double scale, Key key
     return p;
   }
   p.is_shared = true;
+  p.is_one_of_many = true;
   p.individual = variant(index);
   if (!known_bounds_.empty())
     p.known_bounds =

@@ -29,11 +29,16 @@ namespace {
 class CameraFootprint final : public Footprint {
  public:
   CameraFootprint(const Scene& scene, double detail)
-      : camera_(*scene.camera), width_(scene.settings.width), height_(scene.settings.height), detail_(detail) {}
+      : camera_(*scene.camera),
+        width_(scene.settings.width),
+        height_(scene.settings.height),
+        detail_(detail),
+        fades_(scene.settings.fade) {}
   double at(Vec3d position) const override { return wanted(camera_.footprint(Vec3f(position), width_, height_)); }
   double at(Vec3d position, int time) const override {
     return wanted(camera_.footprint_at(Vec3f(position), share_of_shutter(time), width_, height_));
   }
+  bool fades() const override { return fades_; }
 
  private:
   double wanted(float pixel) const {
@@ -44,6 +49,7 @@ class CameraFootprint final : public Footprint {
   const Camera& camera_;
   const int width_, height_;
   const double detail_;  // pixels
+  const bool fades_;
 };
 
 std::shared_ptr<const Footprint> camera_footprint(const Scene& scene, double detail) {

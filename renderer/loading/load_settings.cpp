@@ -109,6 +109,8 @@ RenderSection read_render(Params& params) {
                                "bounces of a path at most; 0: emission only, 1: direct light");
   s.detail = params.real("detail", s.detail, {0, 1024, "px"},
                          "wanted size of faces: finer levels are left out; 0: none is, however small");
+  s.fade = params.boolean("fade", false,
+                          "the finest level of each place fades in as it comes nearer, for cameras that move");
   read_ray_class_detail(params, s);
   s.seed = std::uint64_t(
       params.integer("seed", 0, {0, 2147483647, ""}, "another seed gives other noise, not another scene"));

@@ -25,6 +25,7 @@ struct RenderSettings {
   int samples = 64;
   int max_depth = 8;                               // bounces
   double detail = 1;                               // wanted size of faces in pixels; 0: every level, however small
+  bool fade = false;                               // whether the last level of a vertex fades in
   double diffuse_detail = -1, shadow_detail = -1;  // `detail` of what rays of these classes meet; negative: the same
   std::uint64_t seed = 0;
   std::uint64_t budget_bytes = std::uint64_t(2) << 30;  // of the geometry cache

@@ -7,12 +7,14 @@ namespace meristem {
 
 class PointFootprint final : public Footprint {
  public:
-  PointFootprint(Vec3d eye, double pixel) : eye_(eye), pixel_(pixel) {}
+  PointFootprint(Vec3d eye, double pixel, bool fades = false) : eye_(eye), pixel_(pixel), fades_(fades) {}
   double at(Vec3d position) const override { return pixel_ * length(position - eye_) + 1e-9; }
+  bool fades() const override { return fades_; }
 
  private:
   const Vec3d eye_;
   const double pixel_;
+  const bool fades_;
 };
 
 }  // namespace meristem

@@ -16,9 +16,9 @@ namespace {
 using test::Derivation;
 
 // A shoot of segments that turn anyhow and fork, with spikes on its sides, smoothed and then displaced.
-std::shared_ptr<const Model> shrub(const CellSettings& settings) {
+std::shared_ptr<const Model> shrub(const CellSettings& settings, const std::string& thinning = "{}") {
   Derivation d(R"json({"type": "prism", "sides": 6, "radius": 0.1, "height": 0.3, "cap": "shoot(4)"})json",
-               {R"json({"grow": 8, "rules": {
+               {R"json({"grow": 8, "thinning": )json" + thinning + R"json(, "rules": {
                    "shoot(n)": [{"if": "n > 0", "template": "fork", "length": 0.3, "angle": "50 + 30*rand()",
                                  "roll": "360*rand()", "faces": {"left": "stem(n - 1)", "right": "stem(n - 2)"}},
                                 {"if": "n <= 0", "template": "spike", "length": 0.2}],
@@ -103,12 +103,28 @@ TEST(GrownCells, LieInTightBoxesAndFitTogether) {
   }
 }
 
+// Thorns, and whole shoots, that stand for others and are larger.
+TEST(GrownCells, LieInTheirBoxesAndFitTogetherWhereTheyThin) {
+  const PointFootprint near({0.3, 0.5, 0}, 0.01), far({3, 0.5, 0}, 0.01), farther({9, 0.5, 0}, 0.01);
+  for (const char* thinning : {R"({"thorn": 60})", R"({"shoot": 64, "thorn": 30})"})
+    for (const CellSettings& settings : {small_cells, large_cells}) {
+      const auto model = shrub(settings, thinning), full = shrub(settings);
+      for (const Footprint* footprint : {&near, &far, &farther}) {
+        const Cells cells(*model, footprint), without(*full, footprint);
+        EXPECT_EQ(cells.outside, 0) << thinning;
+        EXPECT_TRUE(cells.is_closed()) << thinning;
+        EXPECT_NE(cells.made_faces, without.made_faces) << thinning;
+      }
+    }
+}
+
 // A floor of tiles some of which are missing; each that stands is as high as it has others beside it, and so on twice.
-std::shared_ptr<const Model> sociable_tiles(const CellSettings& settings) {
+std::shared_ptr<const Model> sociable_tiles(const CellSettings& settings, const std::string& thinning = "{}") {
   Derivation d(R"json({"type": "plane", "width": 4, "depth": 4, "columns": 6, "rows": 6, "face": "site"})json",
                {R"json({"grow": 1, "rules": {"site": {"if": "rand() < .6", "template": "extrude", "inset": 0.02,
                     "height": 0.02, "faces": {"cap": "tile(1)", "wall": "tile(2)"}}}})json",
-                R"json({"grow": 2, "rules": {"tile(n)": {"if": "rand() < .7", "template": "box",
+                R"json({"grow": 2, "thinning": )json" + thinning +
+                    R"json(, "rules": {"tile(n)": {"if": "rand() < .7", "template": "box",
                     "height": "radius*(.1 + .1*min(neighbors, 4))", "taper": 0.8, "faces": {"top": "tile(neighbors)",
                     "front": "tile(neighbors)", "left": "tile(neighbors)"}}}})json"});
   EXPECT_TRUE(d.messages().empty());
@@ -135,13 +151,15 @@ TEST(GrownCells, CountNeighborsAlikeHoweverTheyAreCut) {
   const PointFootprint near({0.3, 0.5, 0}, 0.02), far({3, 1.5, 0}, 0.02);
   for (const Footprint* footprint : {static_cast<const Footprint*>(nullptr), static_cast<const Footprint*>(&near),
                                      static_cast<const Footprint*>(&far)}) {
-    const Cells whole(*sociable_tiles({1u << 20, 1u << 20}), footprint);
-    EXPECT_EQ(whole.leaves, 1);
-    for (const CellSettings& settings : {CellSettings{16, 64}, small_cells, large_cells}) {
-      const Cells cells(*sociable_tiles(settings), footprint);
-      EXPECT_GT(cells.leaves, 10);
-      EXPECT_EQ(cells.outside, 0);
-      EXPECT_EQ(points_of(cells), points_of(whole));
+    for (const char* thinning : {"{}", R"({"tile": 30})"}) {
+      const Cells whole(*sociable_tiles({1u << 20, 1u << 20}, thinning), footprint);
+      EXPECT_EQ(whole.leaves, 1);
+      for (const CellSettings& settings : {CellSettings{16, 64}, small_cells, large_cells}) {
+        const Cells cells(*sociable_tiles(settings, thinning), footprint);
+        EXPECT_GT(cells.leaves, 10);
+        EXPECT_EQ(cells.outside, 0);
+        EXPECT_EQ(points_of(cells), points_of(whole));
+      }
     }
   }
 }

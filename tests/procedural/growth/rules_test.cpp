@@ -136,7 +136,7 @@ TEST(Rules, VariablesDescribeTheReplacedFace) {
 }
 
 TEST(Rules, ManualPagesCoverStepRuleAndTemplates) {
-  EXPECT_EQ(grow_step_info().describe().size(), 3u);
+  EXPECT_EQ(grow_step_info().describe().size(), 4u);
   EXPECT_EQ(Production::info().describe().size(), 6u);
   for (const ComponentInfo& info : templates().infos()) EXPECT_GE(info.describe().size(), 2u) << info.name;
   for (const ComponentInfo& info : bases().infos()) EXPECT_GE(info.describe().size(), 2u) << info.name;

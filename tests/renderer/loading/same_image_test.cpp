@@ -160,6 +160,29 @@ TEST_F(SameImage, MediaForAnyThreadsBudgetAndRayOrder) {
   }
 }
 
+// Leaves that stand for others, on a ball whose levels fade in, seen from near and far at once.
+TEST_F(SameImage, ThinningAndFadingForAnyThreadsBudgetAndRayOrder) {
+  write(R"json({ "format": 1, "models": { "ball": {
+      "base": { "type": "sphere", "radius": 0.5, "divisions": 4, "face": "skin" },
+      "steps": [ { "subdivide": 1, "place": "0.4*scale*N*snoise(5*P)" },
+        { "grow": 1, "thinning": { "skin": 9 }, "rules": { "skin": { "if": "rand() < .3", "template": "extrude",
+          "inset": 0.7, "height": 0.01, "faces": { "cap": "leaf" } } } },
+        { "grow": 1, "rules": { "leaf": { "template": "leaf", "length": 0.1, "width": 0.05 } } },
+        { "subdivide": 2, "place": "0.2*scale*N*snoise(30*P)" } ] } },
+    "objects": [ { "model": "ball" }, { "model": "ball", "seed": 1, "position": [2, 1, -3] } ],
+    "lights": [ { "type": "sky", "elevation": 32 } ],
+    "camera": { "from": [0.5, 0.4, 1.1], "to": [0.4, 0.3, 0], "fov": 70 },
+    "render": { "size": [24, 14], "samples": 1, "max_depth": 2, "fade": true } })json");
+  const Rendered eager = render(ExpandMode::Eager, 2, no_limit);
+  EXPECT_TRUE(eager.expansion.defects.empty());
+  for (const auto& [threads, order] : {std::pair(1, RayOrder::DepthFirst), std::pair(8, RayOrder::Queued)})
+    for (const std::uint64_t budget : {least_that_works(threads), no_limit}) {
+      const Rendered lazy = render(ExpandMode::Lazy, threads, budget, order);
+      EXPECT_EQ(lazy.sha256, eager.sha256) << threads << " threads, " << budget << " bytes, order " << int(order);
+      EXPECT_TRUE(lazy.expansion.defects.empty());
+    }
+}
+
 // Branches that grow and bend while the shutter is open, one of them on a turning group, before a camera that moves.
 TEST_F(SameImage, MotionForAnyThreadsBudgetAndRayOrder) {
   write(R"json({ "format": 1, "models": {

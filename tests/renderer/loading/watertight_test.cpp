@@ -35,5 +35,9 @@ TEST(Watertight, NorWhereLevelsOfDetailMeet) {
   expect_closed(std::make_shared<PointFootprint>(Vec3d{1, 0.5, 0.5}, 0.02), 1000);
 }
 
+TEST(Watertight, NorWhereTheyFadeIn) {
+  expect_closed(std::make_shared<PointFootprint>(Vec3d{1, 0.5, 0.5}, 0.02, true), 1000);
+}
+
 }  // namespace
 }  // namespace meristem
