@@ -5,9 +5,9 @@
 
 namespace meristem {
 
-// Seconds since the process was started: what a user waits, the loading of libraries included. The start is known to half a
-// hundredth of a second (/proc/self/stat, field 22); differences are as fine as the clock. Where /proc is not to be had
-// the start is that of this library's initialisation.
+// Seconds since the process was started: what a user waits, the loading of libraries included. The start is known to
+// half a hundredth of a second (/proc/self/stat, field 22); differences are as fine as the clock. Where /proc is not to
+// be had the start is that of this library's initialisation.
 double process_age_s();
 
 // The most memory that was ever resident (VmHWM), in bytes; 0 if unknown.
