@@ -1,11 +1,12 @@
 // RaySearch: a ray that expands nothing on its way, so that it can wait until many rays need the same cell.
 //
 // It passes through resident cells like any ray. A cell that it enters and that is not resident is noted, together with
-// the way to it from the world's objects. Noted cells are visited in the order in which the ray enters them, until none
-// begins before the nearest hit so far; at the first that is not resident the ray waits. Visiting expands that cell
-// alone, goes on below it and may note more. So at least the cells are visited that a ray meets which expands at once,
-// and since of two hits at one distance the tie rule decides, one visit too many changes nothing: the hit has the same
-// bits. The list is complete from the beginning: no search starts again from a distance, which would lose hits.
+// the way to it from the world's objects. Noted cells that have become resident are visited, those that begin behind
+// the nearest hit so far are no longer asked for, and for the others the ray waits: for several at once, whichever
+// comes first. Visiting expands the cell that it was woken for alone, goes on below it and may note more. So at least
+// the cells are visited that a ray meets which expands at once, and since of two hits at one distance the tie rule
+// decides, one visit too many changes nothing: the hit has the same bits. The list is complete from the beginning: no
+// search starts again from a distance, which would lose hits.
 //
 // While it waits it holds no pointer into the geometry: what it waits for has a name and a way of indices. So the
 // cell's parents may be evicted, and are expanded again when the ray goes their way.
@@ -16,6 +17,8 @@
 #include "geometry/accel/surface.h"
 #include "geometry/base/key.h"
 
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -35,9 +38,15 @@ class MissingCells {
   bool overflows() const { return count_ > most_cells; }
 
   void note(Key name, float entry, Way way);
-  static constexpr std::size_t none = ~std::size_t(0);
-  // The one that the ray enters first, if it does at or before t.
-  std::size_t first(float t) const;
+  // All that have been noted, the removed ones among them: for (c = 0; c < end(); c = next(c)).
+  std::size_t end() const { return words_.size(); }
+  std::size_t next(std::size_t cell) const { return cell + header + words_[cell + 3]; }
+  float entry(std::size_t cell) const { return std::bit_cast<float>(words_[cell]); }  // infinity: removed
+  // The names of those that the ray enters first, at or before t; each once.
+  using Names = std::array<Key, 6>;
+  std::size_t first(float t, Names& names) const;
+  // Forgets the removed ones, so that they take no memory while the ray waits.
+  void compact();
   Key name(std::size_t cell) const { return words_[cell + 1] | Key(words_[cell + 2]) << 32; }
   Way way(std::size_t cell) const { return Way(words_).subspan(cell + header, words_[cell + 3]); }
   void remove(std::size_t cell);
@@ -55,8 +64,10 @@ class RaySearch {
  public:
   enum class End : std::uint8_t { Missed, Met, Waits };
 
-  // The cell that the search waits for, by a name that all rays share.
-  Key waits_for() const { return name_; }
+  // The cells that the search waits for, by names that all rays share, the nearest first.
+  std::span<const Key> waits_for() const { return std::span(names_).first(name_count_); }
+  // Which of them goes on is to expand; else it is the nearest.
+  void wake(Key name) { woken_for_ = name; }
   // Beside the object itself.
   std::size_t bytes() const { return missing_.bytes() + (kept_ ? sizeof(*kept_) : 0); }
 
@@ -64,7 +75,9 @@ class RaySearch {
   friend class SearchDriver;  // of the world
   MissingCells missing_;
   std::unique_ptr<SurfaceHit> kept_;  // the nearest hit so far, if has_hit_
-  Key hit_key_ = 0, name_ = 0;
+  Key hit_key_ = 0, woken_for_ = 0;
+  MissingCells::Names names_{};
+  std::uint8_t name_count_ = 0;
   bool waits_ = false, has_hit_ = false;
 };
 

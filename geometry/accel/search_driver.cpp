@@ -1,5 +1,7 @@
 #include "geometry/accel/search_driver.h"
 
+#include <limits>
+
 namespace meristem {
 
 namespace {
@@ -20,30 +22,37 @@ SearchDriver::SearchDriver(RaySearch& search, bool any, RayContext& context, RTC
 }
 
 RaySearch::End SearchDriver::go_on(const RayRoute& route) {
+  MissingCells& missing = search_.missing_;
   if (search_.waits_) {
     state_.expands = true;
+    visit(route, [&](std::size_t cell) { return missing.name(cell) == search_.woken_for_; });
+    state_.expands = false;
   } else if (state_.any) {
     route.occluded(context_, ray_.ray);
   } else {
     route.intersect(context_, ray_);
   }
-  while (!has_ended() && !overflows()) {
-    const std::size_t cell = search_.missing_.first(ray_.ray.tfar);
-    if (cell == MissingCells::none) return context_.has_hit ? RaySearch::End::Met : RaySearch::End::Missed;
-    if (!visit(route, cell)) {
-      search_.name_ = search_.missing_.name(cell);
-      return RaySearch::End::Waits;
-    }
-    search_.missing_.remove(cell);
-    state_.expands = false;
-  }
-  return RaySearch::End::Met;
+  visit(route, [](std::size_t) { return true; });
+  if (has_ended() || overflows()) return RaySearch::End::Met;
+  const std::size_t count = missing.first(ray_.ray.tfar, search_.names_);
+  search_.name_count_ = std::uint8_t(count);
+  if (count == 0) return context_.has_hit ? RaySearch::End::Met : RaySearch::End::Missed;
+  search_.woken_for_ = search_.names_[0];
+  missing.compact();
+  return RaySearch::End::Waits;
 }
 
-bool SearchDriver::visit(const RayRoute& route, std::size_t cell) {
-  const MissingCells::Way way = search_.missing_.way(cell);
-  target.assign(way.begin(), way.end());  // the list grows while it is followed
-  return route.follow(target, context_, ray_);
+template <class IsAsked>
+void SearchDriver::visit(const RayRoute& route, IsAsked is_asked) {
+  MissingCells& missing = search_.missing_;
+  for (std::size_t cell = 0; cell < missing.end(); cell = missing.next(cell)) {
+    if (has_ended() || overflows()) return;
+    const float entry = missing.entry(cell);
+    if (entry == std::numeric_limits<float>::infinity() || !(entry <= ray_.ray.tfar) || !is_asked(cell)) continue;
+    const MissingCells::Way way = missing.way(cell);
+    target.assign(way.begin(), way.end());  // the list grows while it is followed
+    if (route.follow(target, context_, ray_)) missing.remove(cell);
+  }
 }
 
 void SearchDriver::keep(const SurfaceHit* nearer) {
@@ -58,7 +67,7 @@ void SearchDriver::keep(const SurfaceHit* nearer) {
 }
 
 void SearchDriver::end() {
-  constexpr std::size_t most_kept_bytes = 1024;
+  constexpr std::size_t most_kept_bytes = 256;
   search_.missing_.clear();
   if (search_.missing_.bytes() > most_kept_bytes) search_.missing_ = {};
   search_.waits_ = search_.has_hit_ = false;

@@ -25,7 +25,9 @@ class SearchDriver {
 
  private:
   bool has_ended() const { return state_.any && ray_.ray.tfar < 0; }
-  bool visit(const RayRoute& route, std::size_t cell);
+  // Noted cells that are asked for, as far as they are resident or it expands.
+  template <class IsAsked>
+  void visit(const RayRoute& route, IsAsked is_asked);
 
   RaySearch& search_;
   RayContext& context_;

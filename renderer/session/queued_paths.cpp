@@ -89,8 +89,8 @@ struct QueuedPaths::Worker {
   std::unique_ptr<Sampler> sampler;
   RayCounts rays;
   std::vector<std::uint32_t> claimed;
-  std::vector<std::uint32_t> ended;
-  std::vector<std::pair<Key, std::uint32_t>> waiting;
+  Key woken_for = 0;  // the cell for which all of them waited, unless they have not begun
+  std::vector<std::uint32_t> ended, waiting;
 };
 
 QueuedPaths::QueuedPaths(const Scene& scene, const CameraPaths& camera, Wants wants, std::size_t most_bytes)
@@ -115,7 +115,7 @@ void QueuedPaths::run(int threads, const Exchange& exchange, std::vector<RayCoun
   exhausted_ = false;
   working_ = 0;
   run_threads(threads, [&](int thread) {
-    Worker worker{exchange, thread, scene_.sampler->clone(), {}, {}, {}, {}};
+    Worker worker{exchange, thread, scene_.sampler->clone(), {}, {}, {}, {}, {}};
     try {
       work(worker);
     } catch (...) {
@@ -142,13 +142,16 @@ void QueuedPaths::work(Worker& worker) {
   }
 }
 
-// Those that were not followed because of a stop go back to where they waited; one that has not begun waits under its
-// own number.
+// Those that were not followed because of a stop go back to where they waited; those that have not begun wait together.
 void QueuedPaths::hand_back(Worker& worker) {
   {
     const std::lock_guard lock(mutex_);
-    for (const std::uint32_t id : worker.claimed) worker.waiting.push_back({slot(id).search.waits_for(), id});
-    for (const auto& [name, id] : worker.waiting) queues_.add(name, id);
+    worker.waiting.insert(worker.waiting.end(), worker.claimed.begin(), worker.claimed.end());
+    constexpr Key not_begun[] = {0};
+    for (const std::uint32_t id : worker.waiting) {
+      const Slot& s = slot(id);
+      queues_.add(s.is_begun ? s.search.waits_for() : not_begun, id);
+    }
     statistics_.waits += worker.waiting.size();
     free_.insert(free_.end(), worker.ended.begin(), worker.ended.end());
     alive_ -= worker.ended.size();
@@ -168,10 +171,9 @@ bool QueuedPaths::claim(Worker& worker) {
     if (worker.claimed.empty() && !queues_.empty()) {
       // The longest queue and the oldest in turns. By length alone, paths of rare cells end last, keep their memory
       // from others, and leave pixels without any sample if the render is stopped; by age alone, few share a cell.
-      if (++statistics_.served % 2 == 0)
-        queues_.take_from_oldest(most_claimed, worker.claimed);
-      else
-        queues_.take_from_longest(most_claimed, worker.claimed);
+      const auto name = ++statistics_.served % 4 == 0 ? queues_.take_from_oldest(most_claimed, worker.claimed)
+                                                      : queues_.take_from_longest(most_claimed, worker.claimed);
+      worker.woken_for = *name;
     }
     if (!worker.claimed.empty()) {
       ++working_;
@@ -208,8 +210,11 @@ void QueuedPaths::begin_paths(Worker& worker) {
   }
 }
 
-// For another path; one is always alive. The searches of paths that have just begun will grow.
+// For another path; one is always alive. The searches of paths that have just begun will grow. A slow start: until most
+// cells have been expanded once their boxes are wide, and a ray notes hundreds of them.
 bool QueuedPaths::has_room() {
+  constexpr std::uint64_t paths_at_start = 2048, paths_a_serving = 16;
+  if (alive_ >= paths_at_start + paths_a_serving * statistics_.served) return false;
   constexpr std::size_t usual_search_bytes = 192;
   const std::size_t searches = search_bytes_.load(std::memory_order_relaxed),
                     to_come = std::max(searches, alive_ * usual_search_bytes) - searches;
@@ -237,6 +242,7 @@ void QueuedPaths::follow(Worker& worker, std::uint32_t id) {
   const PathTools tools{scene_, sampler, worker.rays, first};
   Meter meter(wants_.costs ? &chunk.costs[id % chunk_paths] : nullptr, *scene_.intersector, s.is_begun);
   if (s.is_begun) {
+    s.search.wake(worker.woken_for);
     sampler.start(s.sample.x, s.sample.y, int(s.sample.number), scene_.settings.seed);
     sampler.go_to(s.dimension);
   } else {
@@ -250,7 +256,7 @@ void QueuedPaths::follow(Worker& worker, std::uint32_t id) {
   const std::uint64_t escaped = worker.rays.escaped;
   if (go_on(id, tools)) {
     s.dimension = sampler.dimension();
-    worker.waiting.push_back({s.search.waits_for(), id});
+    worker.waiting.push_back(id);
   } else {
     meter.stop();
     deliver(worker.exchange, id, worker.rays.escaped == escaped);

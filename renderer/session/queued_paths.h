@@ -1,7 +1,8 @@
 // QueuedPaths: the queued order of rays. Many paths are alive at once; a path goes on as far as resident cells take it
-// and then waits where its ray needs a cell that is not resident. When no more paths may begin, the cell for which most
-// of them wait is expanded, serves all of these, and each goes on until it waits again. So with a small geometry cache
-// a cell is expanded once for hundreds of rays, where paths followed one by one would expand it for each.
+// and then waits for the cells that its ray needs and that are not resident, up to six at once. When no more paths may
+// begin, the cell for which most of them wait is expanded, serves all of these, and each goes on until it waits again.
+// So with a small geometry cache a cell is expanded once for hundreds of rays, where paths followed one by one would
+// expand it for each.
 //
 // How many paths are alive is limited by memory, which is counted: states, searches, queues. The queues are shared by
 // all threads: a thread claims a part of the longest, works without any lock, and comes back with what waits now. A

@@ -139,10 +139,8 @@ void RenderSession::run_tiles(std::uint32_t end, std::vector<RayCounts>& rays) {
   run_threads(threads_, [&](int thread) {
     Worker worker{thread, end, scene_.sampler->clone(), {}, scene_.intersector->thread_expansions()};
     try {
-      for (std::size_t i = next_tile_++; i < tiles_.size() && !stopped(); i = next_tile_++) {
+      for (std::size_t i = next_tile_++; i < tiles_.size() && !stopped(); i = next_tile_++)
         render_tile(worker, tiles_[i]);
-        if (order_ == RayOrder::Auto && goes_on_to_queues(worker)) thrashes_ = true;
-      }
     } catch (...) {
       failed_ = true;
       throw;
@@ -168,6 +166,7 @@ void RenderSession::render_tile(Worker& worker, const PixelWindow& tile) {
     for (int x = tile.x0; x < tile.x1; ++x) {
       if (stopped()) return;
       if (!is_finished(x, y)) render_pixel(worker, x, y);
+      if (order_ == RayOrder::Auto && goes_on_to_queues(worker)) thrashes_ = true;
       if (worker.thread == 0) look_around();
     }
 }

@@ -27,29 +27,47 @@ void WaitingQueues::sink(std::size_t at) {
   if (to != at) place(queue, to);
 }
 
-void WaitingQueues::add(Key name, std::uint32_t id) {
-  if (id >= next_.size()) next_.resize(std::max<std::size_t>(id + 1, 2 * next_.size()), nobody);
+WaitingQueues::Queue& WaitingQueues::queue_named(Key name) {
   const auto [entry, is_new] = places_.try_emplace(name, heap_.size());
-  if (is_new) {
-    heap_.push_back({name, 0, nobody, ++queues_begun_});
-    beginnings_.push_back({name, queues_begun_});
-    constexpr std::size_t few = 1024;
-    if (beginnings_.size() > few + 2 * heap_.size()) std::erase_if(beginnings_, [&](auto& b) { return !lasts(b); });
+  if (!is_new) return heap_[entry->second];
+  if (free_lists_.empty()) {
+    free_lists_.push_back(std::uint32_t(lists_.size()));
+    lists_.emplace_back();
   }
-  Queue& queue = heap_[entry->second];
-  next_[id] = queue.last;
-  queue.last = id;
-  ++queue.length;
-  lift(entry->second);
+  heap_.push_back({name, 0, free_lists_.back(), ++queues_begun_});
+  free_lists_.pop_back();
+  beginnings_.push_back({name, queues_begun_});
+  constexpr std::size_t few = 1024;
+  if (beginnings_.size() > few + 2 * heap_.size()) std::erase_if(beginnings_, [&](auto& b) { return !lasts(b); });
+  return heap_.back();
 }
 
-void WaitingQueues::take_from_longest(std::size_t most, std::vector<std::uint32_t>& ids) {
-  if (!heap_.empty()) take_from(0, most, ids);
+void WaitingQueues::add(std::span<const Key> names, std::uint32_t id) {
+  if (id >= waiters_.size()) waiters_.resize(std::max<std::size_t>(id + 1, 2 * waiters_.size()));
+  Waiter& waiter = waiters_[id];
+  waiter.name_count = std::uint32_t(names.size());
+  std::ranges::copy(names, waiter.names.begin());
+  for (const Key name : names) {
+    Queue& queue = queue_named(name);
+    ++queue.length;
+    std::vector<Member>& list = lists_[queue.list];
+    constexpr std::size_t few = 64;
+    if (list.size() > few + 2 * queue.length) members_ -= std::erase_if(list, [&](auto& m) { return !waits(m); });
+    list.push_back({id, waiter.turn});
+    ++members_;
+    lift(places_[name]);
+  }
 }
 
-void WaitingQueues::take_from_oldest(std::size_t most, std::vector<std::uint32_t>& ids) {
+std::optional<Key> WaitingQueues::take_from_longest(std::size_t most, std::vector<std::uint32_t>& ids) {
+  if (heap_.empty()) return {};
+  return take_from(0, most, ids);
+}
+
+std::optional<Key> WaitingQueues::take_from_oldest(std::size_t most, std::vector<std::uint32_t>& ids) {
   while (!beginnings_.empty() && !lasts(beginnings_.front())) beginnings_.pop_front();
-  if (!beginnings_.empty()) take_from(places_[beginnings_.front().name], most, ids);
+  if (beginnings_.empty()) return {};
+  return take_from(places_[beginnings_.front().name], most, ids);
 }
 
 bool WaitingQueues::lasts(const Beginning& b) const {
@@ -57,27 +75,48 @@ bool WaitingQueues::lasts(const Beginning& b) const {
   return place != places_.end() && heap_[place->second].since == b.since;
 }
 
-void WaitingQueues::take_from(std::size_t at, std::size_t most, std::vector<std::uint32_t>& ids) {
-  Queue& queue = heap_[at];
-  for (; most > 0 && queue.length > 0; --most, --queue.length) {
-    ids.push_back(queue.last);
-    queue.last = next_[queue.last];
+Key WaitingQueues::take_from(std::size_t at, std::size_t most, std::vector<std::uint32_t>& ids) {
+  const Queue queue = heap_[at];
+  std::vector<Member>& list = lists_[queue.list];
+  for (std::size_t left = std::min<std::size_t>(most, queue.length); left > 0;) {
+    const Member member = list.back();
+    list.pop_back();
+    --members_;
+    if (!waits(member)) continue;
+    --left;
+    ids.push_back(member.id);
+    Waiter& waiter = waiters_[member.id];
+    ++waiter.turn;
+    for (const Key name : std::span(waiter.names).first(waiter.name_count)) leave(name);
   }
-  if (queue.length == 0) {
-    places_.erase(queue.name);
-    const Queue last = heap_.back();
-    heap_.pop_back();
-    if (at == heap_.size()) return;
-    place(last, at);
-    lift(at);
-  }
-  sink(at);
+  return queue.name;
+}
+
+// One of those in it waits no more.
+void WaitingQueues::leave(Key name) {
+  const auto entry = places_.find(name);
+  const std::size_t at = entry->second;
+  if (--heap_[at].length > 0) return sink(at);
+  clear_list(heap_[at].list);
+  places_.erase(entry);
+  const Queue last = heap_.back();
+  heap_.pop_back();
+  if (at == heap_.size()) return;
+  place(last, at);
+  lift(at);
+  sink(places_[last.name]);
+}
+
+void WaitingQueues::clear_list(std::uint32_t list) {
+  members_ -= lists_[list].size();
+  lists_[list] = {};
+  free_lists_.push_back(list);
 }
 
 std::size_t WaitingQueues::bytes() const {
   constexpr std::size_t node_bytes = 48;  // of the map
-  return heap_.capacity() * sizeof(Queue) + places_.size() * node_bytes + next_.capacity() * sizeof(std::uint32_t) +
-         beginnings_.size() * sizeof(Beginning);
+  return heap_.capacity() * sizeof(Queue) + places_.size() * node_bytes + waiters_.capacity() * sizeof(Waiter) +
+         2 * members_ * sizeof(Member) + lists_.size() * sizeof(lists_[0]) + beginnings_.size() * sizeof(Beginning);
 }
 
 }  // namespace meristem

@@ -63,7 +63,7 @@ std::vector<Found> search_all(const Intersector& world, int first, int end, bool
     RaySearch& search = searches[std::size_t(i - first)];
     const RaySearch::End end_of_search = world.search(ray_of(i), any, search, hit);
     if (end_of_search == RaySearch::End::Waits)
-      waiting[search.waits_for()].push_back(i);
+      waiting[search.waits_for().back()].push_back(i);  // not the nearest
     else
       result[std::size_t(i - first)] =
           any ? Found{.met = end_of_search == RaySearch::End::Met} : found(end_of_search == RaySearch::End::Met, hit);
@@ -72,8 +72,12 @@ std::vector<Found> search_all(const Intersector& world, int first, int end, bool
   while (!waiting.empty()) {
     const auto longest = std::ranges::max_element(waiting, {}, [](const auto& queue) { return queue.second.size(); });
     const std::vector<int> served = std::move(longest->second);
+    const Key name = longest->first;
     waiting.erase(longest);
-    for (const int i : served) go_on(i);
+    for (const int i : served) {
+      searches[std::size_t(i - first)].wake(name);
+      go_on(i);
+    }
   }
   return result;
 }

@@ -5,9 +5,14 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <span>
 
 namespace meristem {
 namespace {
+
+void add(WaitingQueues& queues, std::initializer_list<Key> names, std::uint32_t id) {
+  queues.add(std::span(names.begin(), names.size()), id);
+}
 
 std::vector<std::uint32_t> taken(WaitingQueues& queues, std::size_t most) {
   std::vector<std::uint32_t> ids;
@@ -18,12 +23,12 @@ std::vector<std::uint32_t> taken(WaitingQueues& queues, std::size_t most) {
 TEST(WaitingQueues, TheLongestGoesFirst) {
   WaitingQueues queues;
   EXPECT_TRUE(taken(queues, 10).empty());
-  queues.add(7, 0);
-  queues.add(9, 1);
-  queues.add(9, 2);
-  queues.add(8, 5);
+  add(queues, {7}, 0);
+  add(queues, {9}, 1);
+  add(queues, {9}, 2);
+  add(queues, {8}, 5);
   EXPECT_EQ(taken(queues, 10), (std::vector<std::uint32_t>{2, 1}));
-  queues.add(8, 1);
+  add(queues, {8}, 1);
   EXPECT_EQ(taken(queues, 10), (std::vector<std::uint32_t>{1, 5}));
   EXPECT_EQ(taken(queues, 10), (std::vector<std::uint32_t>{0}));
   EXPECT_TRUE(queues.empty());
@@ -37,11 +42,11 @@ TEST(WaitingQueues, TheOldestGoesFirstIfAskedFor) {
     return ids;
   };
   EXPECT_TRUE(oldest(10).empty());
-  queues.add(7, 0);
-  for (std::uint32_t id = 1; id < 5; ++id) queues.add(8, id);
-  for (std::uint32_t id = 5; id < 7; ++id) queues.add(9, id);
+  add(queues, {7}, 0);
+  for (std::uint32_t id = 1; id < 5; ++id) add(queues, {8}, id);
+  for (std::uint32_t id = 5; id < 7; ++id) add(queues, {9}, id);
   EXPECT_EQ(oldest(10), (std::vector<std::uint32_t>{0})) << "the shortest";
-  queues.add(7, 0);  // begins anew, as the last
+  add(queues, {7}, 0);  // begins anew, as the last
   EXPECT_EQ(oldest(3), (std::vector<std::uint32_t>{4, 3, 2}));
   EXPECT_EQ(oldest(3), (std::vector<std::uint32_t>{1})) << "until it ends";
   EXPECT_EQ(taken(queues, 10), (std::vector<std::uint32_t>{6, 5}));
@@ -49,12 +54,62 @@ TEST(WaitingQueues, TheOldestGoesFirstIfAskedFor) {
   EXPECT_TRUE(queues.empty());
 }
 
+TEST(WaitingQueues, WhoIsServedWaitsNowhereElse) {
+  WaitingQueues queues;
+  add(queues, {7, 8}, 0);
+  add(queues, {8, 9}, 1);
+  add(queues, {9, 7, 8}, 2);
+  std::vector<std::uint32_t> ids;
+  EXPECT_EQ(queues.take_from_longest(2, ids), Key(8));
+  EXPECT_EQ(ids, (std::vector<std::uint32_t>{2, 1}));
+  add(queues, {9}, 1);
+  ids.clear();
+  EXPECT_EQ(queues.take_from_oldest(10, ids), Key(7));
+  EXPECT_EQ(ids, (std::vector<std::uint32_t>{0}));
+  ids.clear();
+  EXPECT_EQ(queues.take_from_longest(10, ids), Key(9));
+  EXPECT_EQ(ids, (std::vector<std::uint32_t>{1}));
+  EXPECT_TRUE(queues.empty());
+  EXPECT_EQ(queues.take_from_longest(10, ids), std::nullopt);
+}
+
+// Ids in several queues each: all come back, once for each time that they were added, from a queue that they waited in.
+TEST(WaitingQueues, NobodyInSeveralQueuesIsLost) {
+  WaitingQueues queues;
+  constexpr std::uint32_t count = 300;
+  std::vector<std::set<Key>> names(count);
+  std::size_t waiting = 0;
+  for (Key step = 0; step < 30000; ++step) {
+    const auto id = std::uint32_t(count * uniform_float(hash_keys(step, 1)));
+    if (names[id].empty() && step < 25000) {
+      for (Key i = 0; i < 1 + step % 6; ++i) names[id].insert(scramble(Key(40 * uniform_float(hash_keys(step, 2, i)))));
+      const std::vector<Key> list(names[id].begin(), names[id].end());
+      queues.add(list, id);
+      ++waiting;
+      continue;
+    }
+    std::vector<std::uint32_t> ids;
+    const auto name = step % 3 == 0 ? queues.take_from_oldest(3, ids) : queues.take_from_longest(3, ids);
+    ASSERT_EQ(name.has_value(), waiting > 0);
+    for (const std::uint32_t taken : ids) {
+      EXPECT_TRUE(names[taken].contains(*name));
+      names[taken].clear();
+      --waiting;
+    }
+    if (name) {
+      EXPECT_EQ(ids.empty(), false);
+    }
+  }
+  EXPECT_EQ(waiting, 0u);
+  EXPECT_TRUE(queues.empty());
+}
+
 // Many queues come and go while one lasts.
 TEST(WaitingQueues, EndedQueuesTakeNoMemory) {
   WaitingQueues queues;
-  queues.add(1, 0);
+  add(queues, {1}, 0);
   for (Key name = 2; name < 100000; ++name) {
-    queues.add(name, 1), queues.add(name, 2);
+    add(queues, {name}, 1), add(queues, {name}, 2);
     EXPECT_EQ(taken(queues, 2).size(), 2u);
   }
   EXPECT_LT(queues.bytes(), 100000u);
@@ -72,7 +127,7 @@ TEST(WaitingQueues, NobodyIsLostOrServedTwice) {
   for (Key step = 0; step < 20000; ++step) {
     if (!idle.empty() && uniform_float(hash_keys(step, 1)) < 0.8f) {
       const Key name = scramble(Key(40 * uniform_float(hash_keys(step, 2))));
-      queues.add(name, idle.back());
+      add(queues, {name}, idle.back());
       expected[name].insert(idle.back());
       idle.pop_back();
       continue;
