@@ -15,7 +15,6 @@ namespace {
 
 // Levels that are left to analysis.
 constexpr int analysed_refinements = 3;
-constexpr std::uint32_t most_faces = 1u << 18;
 // Faces of a grown mesh that are refined together.
 constexpr std::uint32_t part_faces = 512;
 
@@ -204,7 +203,7 @@ class Lookahead {
   // Until only refinements follow or nothing finer is wanted; whether that was reached. Growth moves no vertex, so that
   // it does not matter when before a refinement they freeze.
   bool grow() {
-    while (level_ < grown_level_ && ahead_.owned_faces < most_faces) {
+    while (level_ < grown_level_ && ahead_.owned_faces < most_faces_) {
       if (model_.step(level_).refines()) {
         is_final_ = freeze_vertices(model_, ahead_, level_);
         if (is_final_) return true;
@@ -242,6 +241,7 @@ class Lookahead {
         ahead_(std::move(part)),
         level_(whole.level_),
         grown_level_(whole.grown_level_),
+        most_faces_(whole.most_faces_ * ahead_.owned_faces / whole.ahead_.owned_faces),
         is_final_(whole.is_final_) {}
 
   // The faces of groups [first, end) with their halo, labelled anew from 0 on.
@@ -261,7 +261,7 @@ class Lookahead {
     while (true) {
       std::vector<std::uint8_t> wanted;
       is_final_ = is_final_ || level_ == model_.levels() || freeze_vertices(model_, ahead_, level_, &wanted);
-      if (is_final_ || ahead_.owned_faces >= most_faces) break;
+      if (is_final_ || ahead_.owned_faces >= most_faces_) break;
       if (is_refined && bound_fine_groups(groups, wanted)) return;
       apply_step();
       is_refined = true;
@@ -329,6 +329,7 @@ class Lookahead {
   CellMesh ahead_;
   int level_;
   const int grown_level_;
+  const double most_faces_ = 1 << 18;  // it is carried no further where it has more
   bool is_final_ = false;
 };
 
