@@ -77,7 +77,7 @@ class Sky : public Light {
 
  private:
   static constexpr int columns = 256, rows = 64;  // columns around the whole horizon
-  static constexpr int columns_a_node = 4;
+  static constexpr int columns_a_node = 8;
 
   // Table coordinates of a direction above the horizon: x around from the sun, y the root of the elevation.
   Vec2f to_table(Vec3f d) const {
@@ -94,7 +94,7 @@ class Sky : public Light {
   static float solid_angle_density(float y) { return 2 * pi_f * pi_f * y * std::cos(pi_f / 2 * y * y); }
 
   // Values stand at column centres and at row edges, so that the horizon and the zenith have their own. Only the phase
-  // functions are sharp: where no shadow of the Earth is in sight, the air is integrated at every fourth column's edge.
+  // functions are sharp: where no shadow of the Earth is in sight, the air is integrated at every eighth column's edge.
   void tabulate_sky(const Atmosphere& atmosphere) {
     table_.resize(std::size_t(columns) * (rows + 1));
     parallel_for(rows + 1, [&](std::size_t y) {
