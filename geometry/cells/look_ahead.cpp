@@ -224,11 +224,12 @@ class Lookahead {
 
   // Refines a grown mesh part by part: threads that wait for it may take one, and what comes of a part is still in the
   // processor's cache when it is bounded.
-  void refine_and_bound(std::span<Outlook> groups) const {
+  void refine_and_bound(std::span<Outlook> groups) {
     std::vector<std::uint32_t> sizes(groups.size()), starts{0};
     for (std::uint32_t f = 0; f < ahead_.owned_faces; ++f) ++sizes[ahead_.labels[f]];
     for (std::uint32_t end = 0; end < groups.size(); starts.push_back(end))
       for (std::uint32_t faces = 0; end < groups.size() && faces < part_faces; ++end) faces += sizes[end];
+    if (starts.size() == 2) return refine_and_bound_together(groups);
     parallel_for(starts.size() - 1, [&](std::size_t i) {
       const std::uint32_t first = starts[i], end = starts[i + 1];
       part(first, end).refine_and_bound_together(groups.subspan(first, end - first));

@@ -62,4 +62,9 @@ struct ShownTriangles {
   }
 };
 
+// Whether two surfaces have the same vertices, and triangles of the same sizes.
+inline bool are_alike(const ShownTriangles& a, const ShownTriangles& b) {
+  return a.vertices == b.vertices && a.smallest == b.smallest && a.largest == b.largest;
+}
+
 }  // namespace meristem
