@@ -18,7 +18,7 @@ struct MadeCell {
   Key key;              // of the cell, among those of its model and level
   std::int32_t symbol;  // of its first face
   const Expansion& expansion;
-  double start_s, built_from_s;  // by ExpansionCounts::now_s(); from built_from_s until now Embree built
+  double start_s, built_from_s;  // by ExpansionCounts::now_s(); from built_from_s until now trees were built
   Bounds3f bounds, real_bounds;  // before and after
 };
 

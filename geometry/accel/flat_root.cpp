@@ -12,10 +12,10 @@ class FlatRoot final : public ModelRoot {
   // The bounds are those a lazy root has, so that whatever depends on the scene's size is the same in every mode.
   FlatRoot(Tessellation tessellation, const Model& model, const Bounds3f& bounds)
       : ModelRoot(bounds), patch_(std::move(tessellation)), key_(hash_text(model.name())) {}
-  void intersect(RayContext& context, RTCRayHit& ray) const override { intersect_patch(patch_, key_, context, ray); }
-  void occluded(RayContext& context, RTCRay& ray) const override {
-    rtcOccluded1(patch_.scene(), &context.embree, &ray);
+  void intersect(RayContext& context, RTCRayHit& ray) const override {
+    intersect_patch(patch_, key_, context, ray.ray);
   }
+  void occluded(RayContext&, RTCRay& ray) const override { occlude_with_patch(patch_, ray); }
   std::size_t bytes() const override { return sizeof(*this) + patch_.bytes(); }
 
  private:
@@ -28,8 +28,7 @@ void append(Tessellation& all, const Tessellation& part) {
   const auto first_origin = std::uint32_t(all.origins.size());
   const auto first_leaf = std::uint32_t(all.leaves.size());
   all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
-  all.normals.insert(all.normals.end(), part.normals.begin(), part.normals.end());
-  all.uv.insert(all.uv.end(), part.uv.begin(), part.uv.end());
+  all.attributes.insert(all.attributes.end(), part.attributes.begin(), part.attributes.end());
   all.leaves.insert(all.leaves.end(), part.leaves.begin(), part.leaves.end());
   all.origins.insert(all.origins.end(), part.origins.begin(), part.origins.end());
   for (Tessellation::Grid g : part.grids)

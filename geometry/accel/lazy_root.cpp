@@ -56,7 +56,7 @@ class CellEntry : public CacheEntry {
   void intersect(RayContext& context, RTCRayHit& ray) {
     const InUse in_use(context, *this);
     if (patch_) {
-      if (intersect_patch(*patch_, key_, context, ray)) context.use.nearest = this;
+      if (intersect_patch(*patch_, key_, context, ray.ray)) context.use.nearest = this;
     } else if (proxies_) {
       rtcIntersect1(proxies_->scene(), &context.embree, &ray);
     } else {
@@ -65,10 +65,12 @@ class CellEntry : public CacheEntry {
   }
   void occluded(RayContext& context, RTCRay& ray) {
     const InUse in_use(context, *this);
-    if (instances_)
-      instances_->occluded(context, ray);
+    if (patch_)
+      occlude_with_patch(*patch_, ray);
+    else if (proxies_)
+      rtcOccluded1(proxies_->scene(), &context.embree, &ray);
     else
-      rtcOccluded1(patch_ ? patch_->scene() : proxies_->scene(), &context.embree, &ray);
+      instances_->occluded(context, ray);
   }
 
   // As ModelRoot::follow(): the way goes on with one of the children or instances, or ends here.
@@ -118,8 +120,7 @@ Tessellation box_of(const Bounds3f& b, Key key) {
   for (int i = 0; i < 8; ++i) {
     t.positions.push_back(
         {i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z});
-    t.normals.push_back(PackedNormal::pack(t.positions.back() - b.center()));
-    t.uv.push_back({});
+    t.attributes.push_back({PackedNormal::pack(t.positions.back() - b.center()), {}});
   }
   t.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                  {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
@@ -229,7 +230,7 @@ class LazyRoot final : public ModelRoot {
       return entry;
     } catch (const std::exception& error) {
       counts_.add_defect(fmt::format("a cell of model \"{}\" could not be expanded: {}", model().name(), error.what()));
-      return std::make_unique<CellEntry>(SurfacePatch::make_isolated(box_of(bounds, key)), key);
+      return std::make_unique<CellEntry>(std::make_unique<SurfacePatch>(box_of(bounds, key)), key);
     }
   }
 
@@ -247,7 +248,7 @@ class LazyRoot final : public ModelRoot {
       check_bounds(bounds, entry->real_bounds());
       return entry;
     }
-    auto entry = std::make_unique<CellEntry>(SurfacePatch::make_isolated(std::move(*expansion.leaf)), key);
+    auto entry = std::make_unique<CellEntry>(std::make_unique<SurfacePatch>(std::move(*expansion.leaf)), key);
     check_bounds(bounds, entry->real_bounds());
     return entry;
   }

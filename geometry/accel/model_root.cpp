@@ -14,24 +14,28 @@ std::optional<Affine3d> to_world(const RayContext::Frame* frame) {
 
 }  // namespace
 
-bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRayHit& ray) {
-  const RTCHit previous = ray.hit;
-  const float previous_t = ray.ray.tfar;
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(patch.scene(), &context.embree, &ray);
-  const bool missed = ray.hit.geomID == RTC_INVALID_GEOMETRY_ID;
+TreeRay tree_ray(const RTCRay& ray) {
+  return {{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}, ray.tnear};
+}
+
+bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRay& ray) {
+  TreeHit hit{ray.tfar};
+  if (!patch.intersect(tree_ray(ray), hit)) return false;
   key = hash_keys(key, context.path);
-  const bool lost_tie = ray.ray.tfar == previous_t && context.has_hit && context.patch_key < key;
-  if (missed || lost_tie) {
-    ray.hit = previous;
-    return false;
-  }
+  const bool lost_tie = hit.t == ray.tfar && context.has_hit && context.patch_key < key;
+  if (lost_tie) return false;
+  ray.tfar = hit.t;
   context.has_hit = true;
   context.patch = &patch;
+  context.patch_hit = hit;
   context.patch_key = key;
   context.patch_object = context.object;
   context.patch_to_world = to_world(context.frame);
   return true;
+}
+
+void occlude_with_patch(const SurfacePatch& patch, RTCRay& ray) {
+  if (patch.occluded(tree_ray(ray), ray.tfar)) ray.tfar = -std::numeric_limits<float>::infinity();
 }
 
 }  // namespace meristem

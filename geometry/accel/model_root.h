@@ -1,6 +1,7 @@
 // ModelRoot: one model as something rays can be traced into, in the model's own frame.
 #pragma once
 
+#include "geometry/accel/embree_device.h"
 #include "geometry/accel/expansion_counts.h"
 #include "geometry/accel/ray_search.h"
 #include "geometry/accel/surface_patch.h"
@@ -17,7 +18,8 @@ struct RayContext {
   // Of the nearest hit so far.
   bool has_hit = false;
   const SurfacePatch* patch = nullptr;  // null: one that a search has kept
-  Key patch_key = 0;                    // of its cell and the instances around it: decides ties
+  TreeHit patch_hit{0};
+  Key patch_key = 0;  // of its cell and the instances around it: decides ties
   int patch_object = -1;
   std::optional<Affine3d> patch_to_world;  // none: identity
 
@@ -82,7 +84,9 @@ class ModelRoot {
 
 // Traces a patch for a ray that may have a hit already; of two hits at one distance the smaller key wins. Returns
 // whether the patch holds the nearest hit now.
-bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRayHit& ray);
+bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRay& ray);
+// As Embree's callbacks say that something is in the way: tfar becomes -infinity.
+void occlude_with_patch(const SurfacePatch& patch, RTCRay& ray);
 
 // A part as one of the individuals that it describes, seen from somewhere: what its cells are a pure function of.
 struct RootSource {

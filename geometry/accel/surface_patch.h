@@ -1,45 +1,47 @@
-// SurfacePatch: a tessellation in an Embree scene of its own, and what a hit on it means.
-// Immutable; any thread may trace it.
+// SurfacePatch: a tessellation that rays can meet, and what a hit on it means. Immutable; any thread may trace it.
 #pragma once
 
-#include "geometry/accel/embree_device.h"
 #include "geometry/accel/surface.h"
-#include "geometry/cells/tessellation.h"
+#include "geometry/tree/surface_tree.h"
 
 namespace meristem {
 
-// Where in a patch a ray met it, as Embree reports it.
-struct PatchHit {
-  unsigned geometry = RTC_INVALID_GEOMETRY_ID;  // grids or triangles
-  unsigned primitive = 0;
-  float u = 0, v = 0;
+// Where on a tessellation a triangle stands, beside its corners.
+struct TriangleSource {
+  std::uint32_t origin, leaf;
+  int coarser;  // by so many refinements than the leaf's other faces may be
 };
+
+// Everything about a point of a triangle but t and the object, in the frame of the tessellation; u and v are the
+// weights of the second and third corner. The position comes from the vertices; its error bound covers the rounding of
+// the interpolation.
+SurfaceHit surface_at(const Tessellation& tessellation, const std::array<std::uint32_t, 3>& corners, float u, float v,
+                      const TriangleSource& source);
 
 class SurfacePatch {
  public:
-  // Builds on the calling thread; call inside run_isolated() (make_isolated() does).
   explicit SurfacePatch(Tessellation tessellation);
-  static std::unique_ptr<SurfacePatch> make_isolated(Tessellation tessellation);
+  SurfacePatch(const SurfacePatch&) = delete;  // the tree holds on to the triangles
+  SurfacePatch& operator=(const SurfacePatch&) = delete;
 
-  RTCScene scene() const { return scene_.get(); }
+  // As those of SurfaceTree.
+  bool intersect(const TreeRay& ray, TreeHit& hit) const {
+    return tree_.intersect(tessellation_.positions.data(), ray, hit);
+  }
+  bool occluded(const TreeRay& ray, float t_max) const {
+    return tree_.occluded(tessellation_.positions.data(), ray, t_max);
+  }
+
   const Tessellation& tessellation() const { return tessellation_; }
-  std::size_t bytes() const { return bytes_; }
+  std::size_t bytes() const { return sizeof(*this) + tessellation_.bytes() + tree_.bytes(); }
 
-  // Everything about a hit but t and the object, in the frame of the tessellation. The position comes from the
-  // vertices; its error bound covers the rounding of the interpolation and of the stored u, v.
-  SurfaceHit surface_at(const PatchHit& hit) const;
+  SurfaceHit surface_at(const TreeHit& hit) const;
 
  private:
-  struct Corners;  // a triangle of the patch and the hit's weights in it
-  Corners triangle_corners(const PatchHit& hit) const;
-  Corners grid_corners(const PatchHit& hit) const;
-  void attach_grids();
-  void attach_triangles();
-  void share_vertices(RTCGeometry geometry);
+  TriangleSource source_of(const SurfaceTree::Triangle& triangle) const;
 
   Tessellation tessellation_;
-  ScenePtr scene_;
-  std::size_t bytes_ = 0;
+  SurfaceTree tree_;
 };
 
 }  // namespace meristem

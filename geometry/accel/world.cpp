@@ -147,7 +147,7 @@ class World final : public Intersector {
 
  private:
   static SurfaceHit surface_hit(const RayContext& context, const RTCRayHit& query) {
-    SurfaceHit hit = context.patch->surface_at({query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v});
+    SurfaceHit hit = context.patch->surface_at(context.patch_hit);
     if (context.patch_to_world) place(*context.patch_to_world, hit);
     hit.t = query.ray.tfar;
     hit.object = context.patch_object;

@@ -12,9 +12,9 @@ namespace meristem {
 // Where the bytes of expanded geometry are.
 struct GeometryMemory {
   std::uint64_t surfaces = 0;       // vertices, normals, texture coordinates of final cells
-  std::uint64_t surface_trees = 0;  // Embree's hierarchies over them
+  std::uint64_t surface_trees = 0;  // hierarchies over them
   std::uint64_t meshes = 0;         // meshes of split cells, from which children are cut
-  std::uint64_t box_trees = 0;      // bounds of children, and Embree's hierarchies over them
+  std::uint64_t box_trees = 0;      // bounds of children, and hierarchies over them
   std::uint64_t limbo = 0;          // evicted, possibly still in use by a ray in flight
   std::uint64_t plans = 0;          // refinement plans shared by cells of one shape
 
@@ -59,7 +59,7 @@ struct ActivitySpan {
   enum class Kind : std::uint8_t { Expand, Wait };
   double start_s = 0;
   float duration_s = 0;
-  float build_s = 0;  // of it, at the end: Embree's
+  float build_s = 0;  // of it, at the end: trees
   Kind kind = Kind::Expand;
   bool is_reexpansion = false;
   std::uint32_t cell_class = 0;  // index into ExpansionProfile::classes
@@ -68,7 +68,7 @@ struct ActivitySpan {
 
 struct ThreadProfile {
   double expand_s = 0, build_s = 0, wait_s = 0;  // expand_s without build_s
-  double trace_s = 0;  // in Embree, without the three above; an estimate from a sample of rays
+  double trace_s = 0;  // in trees, without the three above; an estimate from a sample of rays
   std::uint64_t expansions = 0, waits = 0, rays = 0;
   std::vector<ActivitySpan> spans;  // in order
   std::uint32_t span_stride = 1;    // every so many-th is kept

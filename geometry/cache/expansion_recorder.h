@@ -24,7 +24,7 @@ namespace meristem {
 // One expansion, by the thread that made it.
 struct RecordedExpansion {
   std::uint32_t cell_class = 0;
-  double start_s = 0, built_from_s = 0, end_s = 0;  // built_from_s: from there to the end Embree built
+  double start_s = 0, built_from_s = 0, end_s = 0;  // built_from_s: from there to the end trees were built
   std::uint64_t faces = 0, bytes = 0;
   double box_ratio = 0;  // area of the box before expansion over that of the real one; 0: not known
 };

@@ -58,7 +58,7 @@ struct CellLabel {
   Key cell = 0;                  // the same whenever the cell is expanded; 0: not known
   std::uint32_t cell_class = 0;  // ExpansionRecorder::class_of(); 0: none
   bool is_surface = false;
-  std::size_t tree_bytes = 0;  // of its bytes: Embree's
+  std::size_t tree_bytes = 0;  // of its bytes: of hierarchies of boxes
 };
 
 // What an expansion left behind. Subclasses own the geometry; the destructor frees it.

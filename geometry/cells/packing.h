@@ -59,4 +59,9 @@ struct UvFrame {
   }
 };
 
+struct PackedAttributes {
+  PackedNormal normal;
+  PackedUv uv;
+};
+
 }  // namespace meristem

@@ -213,14 +213,14 @@ class Tessellator {
     if (!mesh_.frozen.empty() && mesh_.frozen[v].is_frozen) {
       const FrozenVertex& frozen = mesh_.frozen[v];
       out_.positions.push_back(frozen.position);
-      out_.normals.push_back(PackedNormal::pack(frozen.normal));
+      out_.attributes.push_back({PackedNormal::pack(frozen.normal), {}});
       vertex_uv_.push_back(frozen.uv);
       return std::uint32_t(out_.positions.size()) - 1;
     }
     const FadingVertex shown = faded(mesh_, v, Vec3f(surface_->positions[v]), Vec3f(surface_->normals[v]),
                                      Vec2f{float(surface_->uv[v].x), float(surface_->uv[v].y)});
     out_.positions.push_back(shown.position);
-    out_.normals.push_back(PackedNormal::pack(shown.normal));
+    out_.attributes.push_back({PackedNormal::pack(shown.normal), {}});
     vertex_uv_.push_back(shown.uv);
     return std::uint32_t(out_.positions.size()) - 1;
   }
@@ -248,11 +248,10 @@ void pack_uv(const std::vector<Vec2f>& vertex_uv, Tessellation& out) {
   }
   const UvFrame frame = UvFrame::over(low, high);
   for (Tessellation::Leaf& leaf : out.leaves) leaf.uv_frame = frame;
-  out.uv.reserve(vertex_uv.size());
-  for (Vec2f uv : vertex_uv) out.uv.push_back(frame.pack(uv));
+  for (std::size_t v = 0; v < vertex_uv.size(); ++v) out.attributes[v].uv = frame.pack(vertex_uv[v]);
 }
 
-// Vectors may have grown by doubling. One position more: Embree reads 16 bytes of the last.
+// Vectors may have grown by doubling. One position more: rays read 16 bytes of the last.
 void shrink_to_fit(Tessellation& t) {
   if (t.positions.capacity() != t.positions.size() + 1) {
     std::vector<Vec3f> exact;
@@ -260,7 +259,7 @@ void shrink_to_fit(Tessellation& t) {
     exact.assign(t.positions.begin(), t.positions.end());
     t.positions.swap(exact);
   }
-  t.normals.shrink_to_fit();
+  t.attributes.shrink_to_fit();
   t.grids.shrink_to_fit();
   t.triangles.shrink_to_fit();
   t.triangle_sources.shrink_to_fit();
@@ -276,7 +275,7 @@ LimitSurface shown_surface(const CellMesh& cell, const std::optional<Smoothing>&
 }
 
 std::size_t Tessellation::bytes() const {
-  return capacity_bytes(positions) + capacity_bytes(normals) + capacity_bytes(uv) + capacity_bytes(grids) +
+  return capacity_bytes(positions) + capacity_bytes(attributes) + capacity_bytes(grids) +
          capacity_bytes(triangles) + capacity_bytes(triangle_sources) + capacity_bytes(leaves) +
          capacity_bytes(origins);
 }
@@ -294,7 +293,7 @@ Tessellation tessellate(const CellMesh& cell, int level, const Squares& squares,
   if (squares.refinements > 0 && cell.mesh.frozen.empty()) {
     const std::size_t vertices = vertices_of(squares);
     out.positions.reserve(vertices + 1);
-    out.normals.reserve(vertices);
+    out.attributes.reserve(vertices);
     vertex_uv.reserve(vertices);
   }
   const ShownSurface surface(cell, smoothing);

@@ -34,8 +34,7 @@ struct Tessellation {
   };
 
   std::vector<Vec3f> positions;
-  std::vector<PackedNormal> normals;  // outwards
-  std::vector<PackedUv> uv;
+  std::vector<PackedAttributes> attributes;  // of the vertices; normals outwards
   std::vector<Grid> grids;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<TriangleSource> triangle_sources;
@@ -47,8 +46,8 @@ struct Tessellation {
   Bounds3f bounds() const;
 };
 
-// Calls visit(corners, origin) for every triangle. Grids are cut as Embree cuts their quads: along the diagonal from
-// the second corner to the third (RTC_GEOMETRY_TYPE_GRID).
+// Calls visit(corners, origin) for every triangle. Quads of grids are cut along the diagonal from the second
+// corner to the third.
 template <class Visit>
 void for_each_triangle(const Tessellation& t, const Visit& visit) {
   for (std::size_t i = 0; i < t.triangles.size(); ++i) visit(t.triangles[i], t.triangle_sources[i].origin);

@@ -23,7 +23,8 @@ class Coloring {
     std::vector<MeshVertex> vertices(piece.cell_vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const std::uint32_t v = piece.cell_vertices[i];
-      vertices[i] = {cell.positions[v], cell.normals[v].unpack(), cell.leaves[0].uv_frame.unpack(cell.uv[v]), {}};
+      const auto& [normal, uv] = cell.attributes[v];
+      vertices[i] = {cell.positions[v], normal.unpack(), cell.leaves[0].uv_frame.unpack(uv), {}};
     }
     std::vector<bool> has_color(vertices.size(), false);
     for (const SurfaceWelder::Triangle& t : piece.triangles)

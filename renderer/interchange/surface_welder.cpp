@@ -49,7 +49,8 @@ SurfaceWelder::Piece SurfaceWelder::add(const Tessellation& cell) {
   // Weld within the cell: every vertex is the first at its place
   Vertices local;
   std::vector<std::uint32_t> first(cell.positions.size());
-  for (std::uint32_t v = 0; v < first.size(); ++v) first[v] = local.find_or_add(cell.positions[v], cell.normals[v], v);
+  for (std::uint32_t v = 0; v < first.size(); ++v)
+    first[v] = local.find_or_add(cell.positions[v], cell.attributes[v].normal, v);
   Piece piece;
   for_each_triangle(cell, [&](const std::array<std::uint32_t, 3>& v, std::uint32_t origin) {
     const Triangle welded{{first[v[0]], first[v[1]], first[v[2]]}, origin};
@@ -63,7 +64,8 @@ SurfaceWelder::Piece SurfaceWelder::add(const Tessellation& cell) {
   for (Triangle& t : piece.triangles)
     for (std::uint32_t& v : t.vertices) {
       if (numbers[v] == none) {
-        numbers[v] = border[v] ? border_.find_or_add(cell.positions[v], cell.normals[v], vertices_) : vertices_;
+        numbers[v] =
+            border[v] ? border_.find_or_add(cell.positions[v], cell.attributes[v].normal, vertices_) : vertices_;
         if (numbers[v] == vertices_) {
           ++vertices_;
           piece.cell_vertices.push_back(v);

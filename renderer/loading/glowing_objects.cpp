@@ -41,7 +41,7 @@ class Triangles {
     LightTriangle triangle{{}, {}, surface.origins[origin], index_};
     for (std::size_t k = 0; k < 3; ++k) {
       triangle.corners[k] = Vec3f(object_.to_parent.point(Vec3d(surface.positions[corners[k]])));
-      triangle.uv[k] = surface.leaves[0].uv_frame.unpack(surface.uv[corners[k]]);
+      triangle.uv[k] = surface.leaves[0].uv_frame.unpack(surface.attributes[corners[k]].uv);
     }
     scene_.lights.push_back(std::make_unique<TriangleLight>(triangle, material));
   }

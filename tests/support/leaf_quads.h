@@ -36,7 +36,7 @@ using Corner = std::array<float, 6>;
 using Edge = std::pair<Corner, Corner>;
 
 inline Corner corner(const Tessellation& t, std::uint32_t v) {
-  const Vec3f p = t.positions[v], n = t.normals[v].unpack();
+  const Vec3f p = t.positions[v], n = t.attributes[v].normal.unpack();
   return {p.x, p.y, p.z, n.x, n.y, n.z};
 }
 

@@ -100,7 +100,7 @@ TEST(Expansion, OneLeafIsGridsWithUnitNormals) {
   ASSERT_EQ(leaves.size(), 1u);
   EXPECT_EQ(leaves[0].grids.size(), 8u + 2 * 8);   // eight quads, and two octagons of eight quads each
   EXPECT_EQ(leaves[0].face_count, (8u + 4) * 64);  // quads give 4^3, an octagon gives 8 * 4^2
-  for (PackedNormal n : leaves[0].normals) EXPECT_NEAR(length(n.unpack()), 1, 1e-5);
+  for (const PackedAttributes& a : leaves[0].attributes) EXPECT_NEAR(length(a.normal.unpack()), 1, 1e-5);
 }
 
 TEST(Expansion, SmoothModelsEndOnTheirLimitSurface) {
@@ -114,7 +114,7 @@ TEST(Expansion, SmoothModelsEndOnTheirLimitSurface) {
         for (std::size_t w = 0; w < u.positions.size(); ++w)
           if (const float error = length(u.positions[w] - t.positions[v]); error < position_error) {
             position_error = error;
-            normal_error = length(u.normals[w].unpack() - t.normals[v].unpack());
+            normal_error = length(u.attributes[w].normal.unpack() - t.attributes[v].normal.unpack());
           }
       EXPECT_LT(position_error, 1e-6f);
       EXPECT_LT(normal_error, 1e-6f);

@@ -1,0 +1,346 @@
+// The bodies of the kernels, for 8 lanes of AVX2 or twice 4 of SSE. Products and sums of a triangle are not fused: the
+// bits of a hit are the same with both.
+//
+// Only for the tree_kernels_*.cpp files, which define MERISTEM_TREE_AVX2 first; everything is local to them.
+#pragma once
+
+#include "geometry/tree/tree_kernels.h"
+
+#include <bit>
+#include <immintrin.h>
+
+// After the includes: inline functions of other headers must stay at the baseline.
+#if MERISTEM_TREE_AVX2
+#pragma GCC target("avx2,fma,bmi,bmi2,popcnt")
+#endif
+
+namespace meristem {
+namespace {
+
+#define MERISTEM_INLINE [[gnu::always_inline]] inline
+
+#if MERISTEM_TREE_AVX2
+typedef __m256 F8;
+MERISTEM_INLINE F8 splat(float v) { return _mm256_set1_ps(v); }
+MERISTEM_INLINE F8 min(F8 a, F8 b) { return _mm256_min_ps(a, b); }
+MERISTEM_INLINE F8 max(F8 a, F8 b) { return _mm256_max_ps(a, b); }
+MERISTEM_INLINE F8 add(F8 a, F8 b) { return _mm256_add_ps(a, b); }
+MERISTEM_INLINE F8 sub(F8 a, F8 b) { return _mm256_sub_ps(a, b); }
+MERISTEM_INLINE F8 mul(F8 a, F8 b) { return _mm256_mul_ps(a, b); }
+MERISTEM_INLINE F8 div(F8 a, F8 b) { return _mm256_div_ps(a, b); }
+MERISTEM_INLINE F8 mul_add_loose(F8 a, F8 b, F8 c) { return _mm256_fmadd_ps(a, b, c); }  // rounded once or twice
+MERISTEM_INLINE unsigned where_le(F8 a, F8 b) { return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ))); }
+MERISTEM_INLINE unsigned where_lt(F8 a, F8 b) { return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LT_OQ))); }
+MERISTEM_INLINE unsigned where_zero(F8 a) {
+  return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(a, _mm256_setzero_ps(), _CMP_EQ_OQ)));
+}
+MERISTEM_INLINE void store(float* p, F8 a) { _mm256_storeu_ps(p, a); }
+MERISTEM_INLINE F8 join(__m128 low, __m128 high) { return _mm256_insertf128_ps(_mm256_castps128_ps256(low), high, 1); }
+MERISTEM_INLINE F8 swap_halves(F8 a) { return _mm256_permute2f128_ps(a, a, 1); }
+MERISTEM_INLINE F8 from_bytes(const std::uint8_t* p) {
+  return _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p))));
+}
+template <int I>
+MERISTEM_INLINE F8 lane(__m128 a) {
+  return _mm256_broadcastss_ps(_mm_shuffle_ps(a, a, _MM_SHUFFLE(I, I, I, I)));
+}
+// In both halves, of four points each: the i-th of all.
+MERISTEM_INLINE void transpose(F8 p0, F8 p1, F8 p2, F8 p3, F8 (&out)[3]) {
+  const F8 xy01 = _mm256_unpacklo_ps(p0, p1), xy23 = _mm256_unpacklo_ps(p2, p3);
+  const F8 z01 = _mm256_unpackhi_ps(p0, p1), z23 = _mm256_unpackhi_ps(p2, p3);
+  out[0] = _mm256_shuffle_ps(xy01, xy23, _MM_SHUFFLE(1, 0, 1, 0));
+  out[1] = _mm256_shuffle_ps(xy01, xy23, _MM_SHUFFLE(3, 2, 3, 2));
+  out[2] = _mm256_shuffle_ps(z01, z23, _MM_SHUFFLE(1, 0, 1, 0));
+}
+#else
+struct F8 {
+  __m128 low, high;
+};
+template <class Operation>
+MERISTEM_INLINE F8 both(F8 a, F8 b, const Operation& operation) {
+  return {operation(a.low, b.low), operation(a.high, b.high)};
+}
+MERISTEM_INLINE unsigned bits(F8 mask) {
+  return unsigned(_mm_movemask_ps(mask.low)) | unsigned(_mm_movemask_ps(mask.high)) << 4;
+}
+MERISTEM_INLINE F8 splat(float v) { return {_mm_set1_ps(v), _mm_set1_ps(v)}; }
+MERISTEM_INLINE F8 min(F8 a, F8 b) {
+  return both(a, b, [](__m128 x, __m128 y) { return _mm_min_ps(x, y); });
+}
+MERISTEM_INLINE F8 max(F8 a, F8 b) {
+  return both(a, b, [](__m128 x, __m128 y) { return _mm_max_ps(x, y); });
+}
+MERISTEM_INLINE F8 add(F8 a, F8 b) {
+  return both(a, b, [](__m128 x, __m128 y) { return _mm_add_ps(x, y); });
+}
+MERISTEM_INLINE F8 sub(F8 a, F8 b) {
+  return both(a, b, [](__m128 x, __m128 y) { return _mm_sub_ps(x, y); });
+}
+MERISTEM_INLINE F8 mul(F8 a, F8 b) {
+  return both(a, b, [](__m128 x, __m128 y) { return _mm_mul_ps(x, y); });
+}
+MERISTEM_INLINE F8 div(F8 a, F8 b) {
+  return both(a, b, [](__m128 x, __m128 y) { return _mm_div_ps(x, y); });
+}
+MERISTEM_INLINE F8 mul_add_loose(F8 a, F8 b, F8 c) { return add(mul(a, b), c); }
+MERISTEM_INLINE unsigned where_le(F8 a, F8 b) {
+  return bits(both(a, b, [](__m128 x, __m128 y) { return _mm_cmple_ps(x, y); }));
+}
+MERISTEM_INLINE unsigned where_lt(F8 a, F8 b) {
+  return bits(both(a, b, [](__m128 x, __m128 y) { return _mm_cmplt_ps(x, y); }));
+}
+MERISTEM_INLINE unsigned where_zero(F8 a) {
+  return bits(both(a, splat(0), [](__m128 x, __m128 y) { return _mm_cmpeq_ps(x, y); }));
+}
+MERISTEM_INLINE void store(float* p, F8 a) {
+  _mm_storeu_ps(p, a.low);
+  _mm_storeu_ps(p + 4, a.high);
+}
+MERISTEM_INLINE F8 join(__m128 low, __m128 high) { return {low, high}; }
+MERISTEM_INLINE F8 swap_halves(F8 a) { return {a.high, a.low}; }
+MERISTEM_INLINE F8 from_bytes(const std::uint8_t* p) {
+  const __m128i b = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p));
+  return {_mm_cvtepi32_ps(_mm_cvtepu8_epi32(b)), _mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_srli_si128(b, 4)))};
+}
+template <int I>
+MERISTEM_INLINE F8 lane(__m128 a) {
+  a = _mm_shuffle_ps(a, a, _MM_SHUFFLE(I, I, I, I));
+  return {a, a};
+}
+MERISTEM_INLINE void transpose4(__m128 p0, __m128 p1, __m128 p2, __m128 p3, __m128& x, __m128& y, __m128& z) {
+  const __m128 xy01 = _mm_unpacklo_ps(p0, p1), xy23 = _mm_unpacklo_ps(p2, p3);
+  const __m128 z01 = _mm_unpackhi_ps(p0, p1), z23 = _mm_unpackhi_ps(p2, p3);
+  x = _mm_shuffle_ps(xy01, xy23, _MM_SHUFFLE(1, 0, 1, 0));
+  y = _mm_shuffle_ps(xy01, xy23, _MM_SHUFFLE(3, 2, 3, 2));
+  z = _mm_shuffle_ps(z01, z23, _MM_SHUFFLE(1, 0, 1, 0));
+}
+MERISTEM_INLINE void transpose(F8 p0, F8 p1, F8 p2, F8 p3, F8 (&out)[3]) {
+  transpose4(p0.low, p1.low, p2.low, p3.low, out[0].low, out[1].low, out[2].low);
+  transpose4(p0.high, p1.high, p2.high, p3.high, out[0].high, out[1].high, out[2].high);
+}
+#endif
+
+// Eight points, seen from the ray: it is at (0, 0), z is t.
+struct Sheared {
+  F8 x, y, z;
+};
+
+// What does not change while a ray goes through a tree. Z is the axis of its ray.
+template <int Z>
+struct RayLanes {
+  explicit RayLanes(const TreeRay& ray)
+      : origin{splat(ray.origin[0]), splat(ray.origin[1]), splat(ray.origin[2])},
+        shear_x(splat(ray.shear_x)),
+        shear_y(splat(ray.shear_y)),
+        shear_z(splat(ray.shear_z)) {}
+
+  MERISTEM_INLINE Sheared sheared(const F8 (&p)[3]) const {
+    constexpr int x = (Z + 1) % 3, y = (Z + 2) % 3;
+    const F8 along = sub(p[Z], origin[Z]);
+    return {sub(sub(p[x], origin[x]), mul(shear_x, along)), sub(sub(p[y], origin[y]), mul(shear_y, along)),
+            mul(shear_z, along)};
+  }
+
+  F8 origin[3];
+  F8 shear_x, shear_y, shear_z;
+};
+
+MERISTEM_INLINE __m128 load_point(const Vec3f* p) { return _mm_loadu_ps(&p->x); }
+
+// The corners of a block's triangles. Of a quad these are (00, 10, 01), lanes 0 to 3, and (11, 01, 10), lanes 4 to 7.
+// Where there are fewer columns, rows or triangles, some appear twice, or have no area.
+template <int Z>
+MERISTEM_INLINE void load_corners(const TreeView& tree, std::uint32_t block, const RayLanes<Z>& ray, Sheared& a,
+                                  Sheared& b, Sheared& c) {
+  F8 p[3];
+  const SurfaceTree::Node& node = tree.nodes[block / 8];
+  const std::uint32_t first = node.first[block % 8], stride = node.stride[block % 8], shape = node.shape[block % 8];
+  if (stride > 0) {
+    const Vec3f* const r0 = tree.positions + first;
+    const Vec3f* const r1 = r0 + stride;
+    const Vec3f* const r2 = r0 + stride * (shape / 16);
+    const std::uint32_t last = shape % 16;
+    transpose(join(load_point(r0), load_point(r1 + 1)), join(load_point(r0 + 1), load_point(r1 + last)),
+              join(load_point(r1), load_point(r2 + 1)), join(load_point(r1 + 1), load_point(r2 + last)), p);
+    a = ray.sheared(p);
+    transpose(join(load_point(r0 + 1), load_point(r1)), join(load_point(r0 + last), load_point(r1 + 1)),
+              join(load_point(r1 + 1), load_point(r2)), join(load_point(r1 + last), load_point(r2 + 1)), p);
+    b = ray.sheared(p);
+    c = {swap_halves(b.x), swap_halves(b.y), swap_halves(b.z)};
+    return;
+  }
+  const auto* const triangles = tree.triangles + first;
+  const std::uint32_t last = shape - 1;
+  const std::uint32_t* corners[8];
+  for (std::uint32_t i = 0; i < 8; ++i) corners[i] = triangles[i < last ? i : last].data();
+  Sheared* const out[3] = {&a, &b, &c};
+  for (int k = 0; k < 3; ++k) {
+    const auto point = [&](int i) { return load_point(tree.positions + corners[i][k]); };
+    transpose(join(point(0), point(4)), join(point(1), point(5)), join(point(2), point(6)), join(point(3), point(7)),
+              p);
+    *out[k] = ray.sheared(p);
+  }
+}
+
+// Woop et al. 2013: U, V, W are twice the signed areas of the triangles that the ray makes with the edges.
+template <int Z, bool Any>
+MERISTEM_INLINE bool meet_block(const TreeView& tree, std::uint32_t block, const RayLanes<Z>& ray, F8 t_min,
+                                TreeHit& hit) {
+  Sheared a, b, c;
+  load_corners(tree, block, ray, a, b, c);
+  const F8 u = sub(mul(c.x, b.y), mul(c.y, b.x)), v = sub(mul(a.x, c.y), mul(a.y, c.x)),
+           w = sub(mul(b.x, a.y), mul(b.y, a.x));
+  const F8 zero = splat(0);
+  unsigned met = where_le(zero, min(min(u, v), w)) | where_le(max(max(u, v), w), zero);
+  if (met == 0) return false;
+  const F8 area = add(add(u, v), w);
+  met &= ~where_zero(area);
+  if (met == 0) return false;
+  const F8 t = div(add(add(mul(u, a.z), mul(v, b.z)), mul(w, c.z)), area);
+  met &= where_lt(t_min, t) & where_le(t, splat(hit.t));
+  if (met == 0) return false;
+  if constexpr (Any) return true;
+  alignas(32) float ts[8], vs[8], ws[8], areas[8];
+  store(ts, t);
+  int nearest = std::countr_zero(met);
+  for (unsigned rest = met & (met - 1); rest; rest &= rest - 1)
+    if (const int i = std::countr_zero(rest); ts[i] < ts[nearest]) nearest = i;
+  const std::uint32_t triangle = 8 * block + std::uint32_t(nearest);
+  if (ts[nearest] == hit.t && triangle > hit.triangle) return false;
+  store(vs, v);
+  store(ws, w);
+  store(areas, area);
+  hit = {ts[nearest], triangle, vs[nearest] / areas[nearest], ws[nearest] / areas[nearest]};
+  return true;
+}
+
+// The children of a node that the ray may meet up to t, and from where on.
+MERISTEM_INLINE unsigned meet_children(const SurfaceTree::Node& node, const TreeRay& ray, __m128 origin,
+                                       __m128 reciprocal, __m128 slack, F8 t_min, float t, F8& entries) {
+  const __m128 distance = _mm_sub_ps(_mm_loadu_ps(node.origin.data()), origin);
+  int exponents;  // and what stands behind them
+  __builtin_memcpy(&exponents, reinterpret_cast<const char*>(&node) + sizeof node.origin, sizeof exponents);
+  const __m128 step = _mm_castsi128_ps(_mm_slli_epi32(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(exponents)), 23));
+  const __m128 magnitude = _mm_add_ps(_mm_andnot_ps(_mm_set1_ps(-0.f), distance), _mm_mul_ps(step, _mm_set1_ps(256)));
+  const __m128 base = _mm_mul_ps(distance, reciprocal), error = _mm_mul_ps(magnitude, slack);
+  const __m128 enter = _mm_sub_ps(base, error), leave = _mm_add_ps(base, error), scale = _mm_mul_ps(step, reciprocal);
+  const auto near_plane = [&](int axis) { return from_bytes(node.bounds[axis][ray.near_side[axis]]); };
+  const auto far_plane = [&](int axis) { return from_bytes(node.bounds[axis][1 - ray.near_side[axis]]); };
+  const F8 scale_x = lane<0>(scale), scale_y = lane<1>(scale), scale_z = lane<2>(scale);
+  entries = max(
+      max(mul_add_loose(near_plane(0), scale_x, lane<0>(enter)), mul_add_loose(near_plane(1), scale_y, lane<1>(enter))),
+      max(mul_add_loose(near_plane(2), scale_z, lane<2>(enter)), t_min));
+  const F8 exits = min(
+      min(mul_add_loose(far_plane(0), scale_x, lane<0>(leave)), mul_add_loose(far_plane(1), scale_y, lane<1>(leave))),
+      min(mul_add_loose(far_plane(2), scale_z, lane<2>(leave)), splat(t)));
+  return where_le(entries, exits) & ((1u << node.children) - 1);
+}
+
+// A child and where the ray enters it.
+struct Entered {
+  std::uint32_t child;
+  float t;
+};
+constexpr std::uint32_t is_block = std::uint32_t(1) << 31;
+
+// What a ray meets next is asked for while it is with others.
+MERISTEM_INLINE void prefetch(const TreeView& tree, const SurfaceTree::Node& node, std::uint32_t child) {
+  const std::uint32_t first = node.first[child], stride = node.stride[child];
+  if (stride > 0) {
+    const char* const row = reinterpret_cast<const char*>(tree.positions + first);
+    _mm_prefetch(row, _MM_HINT_T0);
+    _mm_prefetch(row + stride * sizeof(Vec3f), _MM_HINT_T0);
+    _mm_prefetch(row + 2 * stride * sizeof(Vec3f), _MM_HINT_T0);
+  } else if (node.shape[child] == 0) {
+    const char* const next = reinterpret_cast<const char*>(tree.nodes + first);
+    _mm_prefetch(next, _MM_HINT_T0);
+    _mm_prefetch(next + 64, _MM_HINT_T0);
+  }
+}
+
+// Of a node the index; of a block 8 * node + child.
+MERISTEM_INLINE std::uint32_t child_of(const SurfaceTree::Node& node, std::uint32_t index, std::uint32_t child) {
+  return node.shape[child] == 0 ? node.first[child] : (8 * index + child) | is_block;
+}
+
+template <int Z, bool Any>
+bool trace(const TreeView& tree, const TreeRay& ray, TreeHit& hit) {
+  const RayLanes<Z> lanes(ray);
+  const __m128 origin = _mm_load_ps(ray.origin.data()), reciprocal = _mm_load_ps(ray.reciprocal.data()),
+               slack = _mm_load_ps(ray.slack.data());
+  const F8 t_min = splat(ray.t_min);
+  Entered stack[SurfaceTree::most_waiting];
+  std::size_t waiting = 0;
+  bool found = false;
+  std::uint32_t child = 0;
+  for (;;) {
+    if (child & is_block) {
+      if (meet_block<Z, Any>(tree, child & ~is_block, lanes, t_min, hit)) {
+        if constexpr (Any) return true;
+        found = true;
+      }
+    } else {
+      const SurfaceTree::Node& node = tree.nodes[child];
+      F8 entries;
+      unsigned met = meet_children(node, ray, origin, reciprocal, slack, t_min, hit.t, entries);
+      if (met) {
+        const auto place = std::uint32_t(std::countr_zero(met));
+        met &= met - 1;
+        if (met == 0) {
+          child = child_of(node, child, place);
+          continue;
+        }
+        alignas(32) float t[8];
+        store(t, entries);
+        for (unsigned rest = met; rest; rest &= rest - 1) prefetch(tree, node, std::uint32_t(std::countr_zero(rest)));
+        Entered nearest{child_of(node, child, place), t[place]};
+        if constexpr (Any) {
+          for (; met; met &= met - 1) {
+            const auto next = std::uint32_t(std::countr_zero(met));
+            stack[waiting++] = {child_of(node, child, next), t[next]};
+          }
+        } else {
+          // Those that wait, the nearest last.
+          const std::size_t first = waiting;
+          for (; met; met &= met - 1) {
+            const auto next = std::uint32_t(std::countr_zero(met));
+            Entered farther{child_of(node, child, next), t[next]};
+            if (farther.t < nearest.t) std::swap(farther, nearest);
+            std::size_t at = waiting++;
+            for (; at > first && stack[at - 1].t < farther.t; --at) stack[at] = stack[at - 1];
+            stack[at] = farther;
+          }
+        }
+        child = nearest.child;
+        continue;
+      }
+    }
+    do {
+      if (waiting == 0) return found;
+      --waiting;
+    } while (stack[waiting].t > hit.t);
+    child = stack[waiting].child;
+  }
+}
+
+bool intersect(const TreeView& tree, const TreeRay& ray, TreeHit& hit) {
+  switch (ray.axis) {
+    case 0: return trace<0, false>(tree, ray, hit);
+    case 1: return trace<1, false>(tree, ray, hit);
+    default: return trace<2, false>(tree, ray, hit);
+  }
+}
+
+bool occluded(const TreeView& tree, const TreeRay& ray, float t_max) {
+  TreeHit hit{t_max};
+  switch (ray.axis) {
+    case 0: return trace<0, true>(tree, ray, hit);
+    case 1: return trace<1, true>(tree, ray, hit);
+    default: return trace<2, true>(tree, ray, hit);
+  }
+}
+
+constexpr TreeKernels table{intersect, occluded};
+
+}  // namespace
+}  // namespace meristem

@@ -1,0 +1,23 @@
+// The loops of SurfaceTree for rays, once for each instruction set.
+#pragma once
+
+#include "geometry/tree/surface_tree.h"
+
+namespace meristem {
+
+struct TreeView {
+  const SurfaceTree::Node* nodes;
+  const std::array<std::uint32_t, 3>* triangles;
+  const Vec3f* positions;
+};
+
+struct TreeKernels {
+  bool (*intersect)(const TreeView& tree, const TreeRay& ray, TreeHit& hit);
+  bool (*occluded)(const TreeView& tree, const TreeRay& ray, float t_max);
+};
+
+const TreeKernels& baseline_tree_kernels();
+const TreeKernels& avx2_tree_kernels();  // AVX2 and FMA
+const TreeKernels& best_tree_kernels();  // of those that this processor has
+
+}  // namespace meristem
