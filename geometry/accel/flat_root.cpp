@@ -11,11 +11,11 @@ class FlatRoot final : public ModelRoot {
  public:
   // The bounds are those a lazy root has, so that whatever depends on the scene's size is the same in every mode.
   FlatRoot(Tessellation tessellation, const Model& model, const Bounds3f& bounds)
-      : ModelRoot(bounds), patch_(std::move(tessellation)), key_(hash_text(model.name())) {}
+      : ModelRoot(bounds), patch_(std::move(tessellation), true), key_(hash_text(model.name())) {}
   void intersect(RayContext& context, RTCRayHit& ray) const override {
     intersect_patch(patch_, key_, context, ray.ray);
   }
-  void occluded(RayContext&, RTCRay& ray) const override { occlude_with_patch(patch_, ray); }
+  void occluded(RayContext& context, RTCRay& ray) const override { occlude_with_patch(patch_, context, ray); }
   std::size_t bytes() const override { return sizeof(*this) + patch_.bytes(); }
 
  private:

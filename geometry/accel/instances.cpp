@@ -1,5 +1,7 @@
 #include "geometry/accel/instances.h"
 
+#include <utility>
+
 namespace meristem {
 
 namespace {
@@ -100,7 +102,10 @@ void Instance::with_local_ray(RayContext& context, RTCRayHit& ray, const Trace& 
   if (is_identity_) return trace(root, ray);
   RTCRayHit local = ray;
   transform(maps.from_parent, local.ray);
+  const TreeRay tree(tree_ray(local.ray));
+  const TreeRay* const outer = std::exchange(context.tree_ray, &tree);
   trace(root, local);
+  context.tree_ray = outer;
   ray.ray.tfar = local.ray.tfar;
   ray.hit = local.hit;
 }
@@ -121,7 +126,10 @@ void Instance::occluded(RayContext& context, RTCRay& ray) const {
   if (is_identity_) return root.occluded(context, ray);
   RTCRay local = ray;
   transform(moves() ? maps_of(change_->motion->at(ray.time)).from_parent : maps_.from_parent, local);
+  const TreeRay tree(tree_ray(local));
+  const TreeRay* const outer = std::exchange(context.tree_ray, &tree);
   root.occluded(context, local);
+  context.tree_ray = outer;
   ray.tfar = local.tfar;
 }
 

@@ -66,7 +66,7 @@ class CellEntry : public CacheEntry {
   void occluded(RayContext& context, RTCRay& ray) {
     const InUse in_use(context, *this);
     if (patch_)
-      occlude_with_patch(*patch_, ray);
+      occlude_with_patch(*patch_, context, ray);
     else if (proxies_)
       rtcOccluded1(proxies_->scene(), &context.embree, &ray);
     else

@@ -14,13 +14,11 @@ std::optional<Affine3d> to_world(const RayContext::Frame* frame) {
 
 }  // namespace
 
-TreeRay tree_ray(const RTCRay& ray) {
-  return {{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}, ray.tnear};
-}
+TreeRay tree_ray(const RTCRay& ray) { return {{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}}; }
 
 bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRay& ray) {
   TreeHit hit{ray.tfar};
-  if (!patch.intersect(tree_ray(ray), hit)) return false;
+  if (!patch.intersect(*context.tree_ray, ray.tnear, hit)) return false;
   key = hash_keys(key, context.path);
   const bool lost_tie = hit.t == ray.tfar && context.has_hit && context.patch_key < key;
   if (lost_tie) return false;
@@ -34,8 +32,8 @@ bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RT
   return true;
 }
 
-void occlude_with_patch(const SurfacePatch& patch, RTCRay& ray) {
-  if (patch.occluded(tree_ray(ray), ray.tfar)) ray.tfar = -std::numeric_limits<float>::infinity();
+void occlude_with_patch(const SurfacePatch& patch, const RayContext& context, RTCRay& ray) {
+  if (patch.occluded(*context.tree_ray, ray.tnear, ray.tfar)) ray.tfar = -std::numeric_limits<float>::infinity();
 }
 
 }  // namespace meristem

@@ -15,6 +15,7 @@ namespace meristem {
 // The state of one ray, handed through Embree's callbacks. Embree sees only the first member.
 struct RayContext {
   RTCIntersectContext embree;
+  const TreeRay* tree_ray = nullptr;  // the ray in the frame of what it is traced into
   // Of the nearest hit so far.
   bool has_hit = false;
   const SurfacePatch* patch = nullptr;  // null: one that a search has kept
@@ -85,8 +86,9 @@ class ModelRoot {
 // Traces a patch for a ray that may have a hit already; of two hits at one distance the smaller key wins. Returns
 // whether the patch holds the nearest hit now.
 bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRay& ray);
+TreeRay tree_ray(const RTCRay& ray);
 // As Embree's callbacks say that something is in the way: tfar becomes -infinity.
-void occlude_with_patch(const SurfacePatch& patch, RTCRay& ray);
+void occlude_with_patch(const SurfacePatch& patch, const RayContext& context, RTCRay& ray);
 
 // A part as one of the individuals that it describes, seen from somewhere: what its cells are a pure function of.
 struct RootSource {

@@ -34,8 +34,8 @@ Tessellation with_room_behind(Tessellation t) {
 
 }  // namespace
 
-SurfacePatch::SurfacePatch(Tessellation tessellation)
-    : tessellation_(with_room_behind(std::move(tessellation))), tree_(tessellation_) {}
+SurfacePatch::SurfacePatch(Tessellation tessellation, bool parallel)
+    : tessellation_(with_room_behind(std::move(tessellation))), tree_(tessellation_, parallel) {}
 
 TriangleSource SurfacePatch::source_of(const SurfaceTree::Triangle& triangle) const {
   if (triangle.index != SurfaceTree::none) {

@@ -20,16 +20,16 @@ SurfaceHit surface_at(const Tessellation& tessellation, const std::array<std::ui
 
 class SurfacePatch {
  public:
-  explicit SurfacePatch(Tessellation tessellation);
+  explicit SurfacePatch(Tessellation tessellation, bool parallel = false);
   SurfacePatch(const SurfacePatch&) = delete;  // the tree holds on to the triangles
   SurfacePatch& operator=(const SurfacePatch&) = delete;
 
   // As those of SurfaceTree.
-  bool intersect(const TreeRay& ray, TreeHit& hit) const {
-    return tree_.intersect(tessellation_.positions.data(), ray, hit);
+  bool intersect(const TreeRay& ray, float t_min, TreeHit& hit) const {
+    return tree_.intersect(tessellation_.positions.data(), ray, t_min, hit);
   }
-  bool occluded(const TreeRay& ray, float t_max) const {
-    return tree_.occluded(tessellation_.positions.data(), ray, t_max);
+  bool occluded(const TreeRay& ray, float t_min, float t_max) const {
+    return tree_.occluded(tessellation_.positions.data(), ray, t_min, t_max);
   }
 
   const Tessellation& tessellation() const { return tessellation_; }

@@ -70,6 +70,8 @@ class World final : public Intersector {
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     RayContext context;
     rtcInitIntersectContext(&context.embree);
+    const TreeRay tree(ray.origin, ray.direction);
+    context.tree_ray = &tree;
     const SampledRay sampled(recorder_.get(), context);
     const GeometryCache::Visit visit(cache_);
     worlds_->route(ray).intersect(context, query);
@@ -83,6 +85,8 @@ class World final : public Intersector {
     if (!start(ray, query)) return false;
     RayContext context;
     rtcInitIntersectContext(&context.embree);
+    const TreeRay tree(ray.origin, ray.direction);
+    context.tree_ray = &tree;
     const SampledRay sampled(recorder_.get(), context);
     const GeometryCache::Visit visit(cache_);
     worlds_->route(ray).occluded(context, query);
@@ -97,6 +101,8 @@ class World final : public Intersector {
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     RayContext context;
     rtcInitIntersectContext(&context.embree);
+    const TreeRay tree(ray.origin, ray.direction);
+    context.tree_ray = &tree;
     const SampledRay sampled(recorder_.get(), context);
     SearchDriver driver(search, any, context, query);
     RaySearch::End end = RaySearch::End::Missed;

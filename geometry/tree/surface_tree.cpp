@@ -13,8 +13,8 @@ const TreeKernels& best_tree_kernels() {
   return best;
 }
 
-SurfaceTree::SurfaceTree(Tessellation& tessellation) {
-  BuiltTree built = build_tree(tessellation);
+SurfaceTree::SurfaceTree(Tessellation& tessellation, bool parallel) {
+  BuiltTree built = build_tree(tessellation, parallel);
   nodes_ = std::move(built.nodes);
   nodes_.shrink_to_fit();
   auto sort = [&](auto& list) {
@@ -28,14 +28,14 @@ SurfaceTree::SurfaceTree(Tessellation& tessellation) {
   triangles_ = tessellation.triangles.data();
 }
 
-bool SurfaceTree::intersect(const Vec3f* positions, const TreeRay& ray, TreeHit& hit) const {
+bool SurfaceTree::intersect(const Vec3f* positions, const TreeRay& ray, float t_min, TreeHit& hit) const {
   if (nodes_.empty()) return false;
-  return best_tree_kernels().intersect({nodes_.data(), triangles_, positions}, ray, hit);
+  return best_tree_kernels().intersect({nodes_.data(), triangles_, positions}, ray, t_min, hit);
 }
 
-bool SurfaceTree::occluded(const Vec3f* positions, const TreeRay& ray, float t_max) const {
+bool SurfaceTree::occluded(const Vec3f* positions, const TreeRay& ray, float t_min, float t_max) const {
   if (nodes_.empty()) return false;
-  return best_tree_kernels().occluded({nodes_.data(), triangles_, positions}, ray, t_max);
+  return best_tree_kernels().occluded({nodes_.data(), triangles_, positions}, ray, t_min, t_max);
 }
 
 SurfaceTree::Triangle SurfaceTree::triangle(std::uint32_t met) const {

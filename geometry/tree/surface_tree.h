@@ -20,7 +20,7 @@ namespace meristem {
 
 // A ray made ready for all trees in one frame.
 struct TreeRay {
-  TreeRay(Vec3f origin, Vec3f direction, float t_min);
+  TreeRay(Vec3f origin, Vec3f direction);
 
   // Of x, y, z; the fourth is not used.
   alignas(16) std::array<float, 4> origin, reciprocal;
@@ -28,7 +28,6 @@ struct TreeRay {
   std::array<std::uint32_t, 3> near_side;  // of a box: 0 lower, 1 upper
   int axis;                                // along which the direction is longest
   float shear_x, shear_y, shear_z;         // make the direction (0, 0, 1), with the axis last
-  float t_min;
 };
 
 // The nearest hit so far; t is the end of the ray before there is one.
@@ -42,14 +41,14 @@ struct TreeHit {
 class SurfaceTree {
  public:
   // Over all triangles of a tessellation that outlives it, unchanged (it may be moved); sorts those outside grids.
-  // Large ones are built by parallel_for().
-  explicit SurfaceTree(Tessellation& tessellation);
+  // `parallel`: large ones are built by parallel_for().
+  explicit SurfaceTree(Tessellation& tessellation, bool parallel = false);
 
-  // Looks for a triangle nearer than hit.t, or as near; returns whether there is one. `positions` are those of the
-  // tessellation, with four bytes to read behind the last.
-  bool intersect(const Vec3f* positions, const TreeRay& ray, TreeHit& hit) const;
-  // Whether any triangle is met in (ray.t_min, t_max].
-  bool occluded(const Vec3f* positions, const TreeRay& ray, float t_max) const;
+  // Looks for a triangle in (t_min, hit.t]; returns whether there is one. `positions` are those of the tessellation,
+  // with four bytes to read behind the last.
+  bool intersect(const Vec3f* positions, const TreeRay& ray, float t_min, TreeHit& hit) const;
+  // Whether any triangle is met in (t_min, t_max].
+  bool occluded(const Vec3f* positions, const TreeRay& ray, float t_min, float t_max) const;
 
   // What a hit has met: a triangle of the tessellation's list, or one of a quad of the grid that holds these vertices.
   static constexpr std::uint32_t none = TreeHit::none;

@@ -1,274 +1,25 @@
 #include "geometry/tree/tree_builder.h"
 
 #include "geometry/base/parallel.h"
-#include "geometry/base/scratch.h"
+#include "geometry/tree/node_writer.h"
+#include "geometry/tree/tree_split.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <xmmintrin.h>
+#include <limits>
 
 namespace meristem {
+
+namespace tree {
 
 namespace {
 
 using Node = SurfaceTree::Node;
 
-constexpr std::uint32_t most_children = 8, most_triangles = 8, bins = 8;
-constexpr std::size_t parallel_from = 1 << 13;  // items
-
-struct Box {
-  __m128 lower = _mm_set1_ps(INFINITY), upper = _mm_set1_ps(-INFINITY);
-
-  void extend(const Box& b) {
-    lower = _mm_min_ps(lower, b.lower);
-    upper = _mm_max_ps(upper, b.upper);
-  }
-  void extend(__m128 p) {
-    lower = _mm_min_ps(lower, p);
-    upper = _mm_max_ps(upper, p);
-  }
-  // Half of it.
-  float area() const {
-    alignas(16) float s[4];
-    _mm_store_ps(s, _mm_sub_ps(upper, lower));
-    return s[0] * s[1] + s[1] * s[2] + s[2] * s[0];
-  }
-};
-
-// The box of some vertices, and whether all are numbers.
-struct Corners {
-  Box box;
-  __m128 differences = _mm_setzero_ps();  // of numbers from themselves: NaN if one is not finite
-
-  void add(__m128 p) {
-    box.extend(p);
-    differences = _mm_add_ps(differences, _mm_sub_ps(p, p));
-  }
-  bool are_finite() const { return (_mm_movemask_ps(_mm_cmpeq_ps(differences, _mm_setzero_ps())) & 7) == 7; }
-};
-
-// A rectangle of a grid's quads from a vertex on, or a triangle.
-struct Source {
-  std::uint32_t first;
-  std::uint16_t stride;  // 0: a triangle
-  std::uint16_t columns, rows;
-  std::uint32_t grid;
-
-  bool is_triangle() const { return stride == 0; }
-  std::uint32_t blocks() const { return (columns + 1u) / 2 * ((rows + 1u) / 2); }
-};
-
-// What trees are built over.
-struct Item {
-  Box box;
-  Source source;
-
-  std::uint32_t weight() const { return source.is_triangle() ? 1 : most_triangles * source.blocks(); }
-  __m128 doubled_centroid() const { return _mm_add_ps(box.lower, box.upper); }
-};
-constexpr std::uint32_t node_weight = most_children * most_triangles;  // what a node above blocks alone holds
-
-// Vertices of a tessellation, as boxes.
-class Vertices {
- public:
-  explicit Vertices(const Tessellation& t) : t_(t) {}
-
-  Corners corners_of(const Source& s) const {
-    Corners corners;
-    if (s.is_triangle())
-      for (std::uint32_t v : t_.triangles[s.first]) corners.add(position(v));
-    else
-      for (std::uint32_t j = 0; j <= s.rows; ++j)
-        for (std::uint32_t i = 0; i <= s.columns; ++i) corners.add(position(s.first + j * s.stride + i));
-    return corners;
-  }
-
- private:
-  __m128 position(std::uint32_t v) const { return _mm_loadu_ps(&t_.positions[v].x); }  // and four bytes behind it
-
-  const Tessellation& t_;
-};
-
-// Cuts a rectangle into others of so many columns and rows at most, row by row.
-template <class Visit>
-void cut(const Source& whole, std::uint32_t columns, std::uint32_t rows, const Visit& visit) {
-  for (std::uint32_t y = 0; y < whole.rows; y += rows)
-    for (std::uint32_t x = 0; x < whole.columns; x += columns)
-      visit(Source{whole.first + y * whole.stride + x, whole.stride,
-                   std::uint16_t(std::min(columns, whole.columns - x)), std::uint16_t(std::min(rows, whole.rows - y)),
-                   whole.grid});
-}
-
-// All of a tessellation: of grids clusters of 4 x 2 blocks, which fill a node, or what there is instead; then
-// triangles. Blocks and triangles that have a corner which is not a finite number are left out.
-class Items {
- public:
-  explicit Items(const Tessellation& t) : list_(most_of(t)) {
-    const Vertices vertices(t);
-    for (std::uint32_t i = 0; i < t.grids.size(); ++i) {
-      const Tessellation::Grid& g = t.grids[i];
-      const Source quads{g.first_vertex, g.width, std::uint16_t(g.width - 1), std::uint16_t(g.height - 1), i};
-      cut(quads, 8, 4, [&](const Source& cluster) {
-        if (!add(vertices, cluster)) cut(cluster, 2, 2, [&](const Source& block) { add(vertices, block); });
-      });
-    }
-    for (std::uint32_t i = 0; i < t.triangles.size(); ++i) add(vertices, {i, 0, 1, 1, SurfaceTree::none});
-  }
-  std::span<Item> span() { return list_.span().first(count_); }
-
- private:
-  static std::size_t most_of(const Tessellation& t) {
-    std::size_t most = t.triangles.size();
-    for (const Tessellation::Grid& g : t.grids) most += std::size_t(g.width / 2) * std::size_t(g.height / 2);
-    return most;
-  }
-  bool add(const Vertices& vertices, const Source& source) {
-    const Corners corners = vertices.corners_of(source);
-    if (!corners.are_finite()) return false;
-    list_[count_++] = {corners.box, source};
-    return true;
-  }
-
-  Scratch<Item> list_;
-  std::size_t count_ = 0;
-};
-
-struct Extent {
-  Box box, centroids;  // of items; centroids doubled
-  std::size_t weight = 0;
-
-  void add(const Item& item) {
-    box.extend(item.box);
-    centroids.extend(item.doubled_centroid());
-    weight += item.weight();
-  }
-  void add(const Extent& e) {
-    box.extend(e.box);
-    centroids.extend(e.centroids);
-    weight += e.weight;
-  }
-};
-
-struct Range {
-  std::span<Item> items;
-  Extent extent;
-};
-
-Extent extent_of(std::span<const Item> items) {
-  Extent extent;
-  for (const Item& item : items) extent.add(item);
-  return extent;
-}
-
-// Where items lie along the axis along which their centroids lie farthest apart.
-class Axis {
- public:
-  explicit Axis(const Box& centroids) {
-    alignas(16) float lower[4], size[4];
-    _mm_store_ps(lower, centroids.lower);
-    _mm_store_ps(size, _mm_sub_ps(centroids.upper, centroids.lower));
-    axis_ = size[0] >= size[1] ? (size[0] >= size[2] ? 0 : 2) : (size[1] >= size[2] ? 1 : 2);
-    lower_ = lower[axis_];
-    size_ = size[axis_];
-  }
-  bool is_point() const { return !(size_ > 0) || !std::isfinite(float(bins) / size_); }
-  float place(const Item& item) const {
-    alignas(16) float c[4];
-    _mm_store_ps(c, item.doubled_centroid());
-    return c[axis_];
-  }
-  std::size_t bin(const Item& item) const {
-    return std::min(std::size_t((place(item) - lower_) * (float(bins) / size_)), std::size_t(bins) - 1);
-  }
-
- private:
-  int axis_;
-  float lower_, size_;
-};
-
-std::pair<Range, Range> cut_at(std::span<Item> items, std::size_t middle) {
-  const auto a = items.first(middle), b = items.subspan(middle);
-  return {{a, extent_of(a)}, {b, extent_of(b)}};
-}
-
-// Two parts, each with an item at least: by the surface area heuristic over bins.
-std::pair<Range, Range> split(const Range& range, int level) {
-  constexpr int most_uneven_levels = SurfaceTree::most_levels / 2;
-  const Axis axis(range.extent.centroids);
-  const std::size_t half = range.items.size() / 2;
-  if (axis.is_point() || level > most_uneven_levels) return cut_at(range.items, half);
-  std::array<Extent, bins> extents;
-  for (const Item& item : range.items) extents[axis.bin(item)].add(item);
-  const auto cost = [](const Extent& e) { return e.weight > 0 ? e.box.area() * float(e.weight) : INFINITY; };
-  std::array<float, bins> cost_behind{};
-  Extent behind, before;
-  for (std::size_t i = bins - 1; i > 0; --i) {
-    behind.add(extents[i]);
-    cost_behind[i] = cost(behind);
-  }
-  float least = INFINITY;
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < bins; ++i) {
-    before.add(extents[i - 1]);
-    if (const float both = cost(before) + cost_behind[i]; both < least) least = both, best = i;
-  }
-  if (best == 0) return cut_at(range.items, half);
-  const auto second = std::ranges::partition(range.items, [&](const Item& item) { return axis.bin(item) < best; });
-  const auto first_count = range.items.size() - second.size();
-  std::pair<Range, Range> parts{{range.items.first(first_count), {}}, {range.items.subspan(first_count), {}}};
-  for (std::size_t i = 0; i < bins; ++i) (i < best ? parts.first : parts.second).extent.add(extents[i]);
-  return parts;
-}
-
-// A node as it is filled.
-class NodeWriter {
- public:
-  explicit NodeWriter(const Box& box) : node_{} {
-    _mm_store_ps(lower_, box.lower);
-    alignas(16) float upper[4];
-    _mm_store_ps(upper, box.upper);
-    for (int axis = 0; axis < 3; ++axis) {
-      node_.origin[axis] = lower_[axis];
-      // The least power of two of which 255 steps are enough.
-      const double size = double(upper[axis]) - double(lower_[axis]);
-      const int exponent = size > 0 ? std::clamp(std::ilogb(size / 255) + 1, -126, 127) : -126;
-      node_.exponent[axis] = std::uint8_t(exponent + 127);
-      steps_[axis] = std::ldexp(1.0, -exponent);
-    }
-  }
-
-  void add(const Box& box, std::uint32_t first, std::uint32_t stride, std::uint32_t shape) {
-    const int child = node_.children++;
-    alignas(16) float lower[4], upper[4];
-    _mm_store_ps(lower, box.lower);
-    _mm_store_ps(upper, box.upper);
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto place = [&](float x) { return (double(x) - double(lower_[axis])) * steps_[axis]; };
-      node_.bounds[axis][0][child] = std::uint8_t(place(lower[axis]));
-      node_.bounds[axis][1][child] = std::uint8_t(std::ceil(place(upper[axis])));
-    }
-    node_.first[child] = first;
-    node_.stride[child] = std::uint16_t(stride);
-    node_.shape[child] = std::uint8_t(shape);
-  }
-  void add_grid(std::uint32_t grid) {
-    node_.grid = has_grid_ && node_.grid != grid ? SurfaceTree::none : grid;
-    has_grid_ = true;
-  }
-  void add_node(const Box& box, std::size_t index) { add(box, std::uint32_t(index), 0, 0); }
-  const Node& node() const { return node_; }
-
- private:
-  Node node_;
-  bool has_grid_ = false;
-  alignas(16) float lower_[4];
-  double steps_[3];
-};
-
 class Builder {
  public:
-  explicit Builder(const Tessellation& tessellation) : vertices_(tessellation) {}
+  Builder(const Tessellation& tessellation, bool parallel)
+      : vertices_(tessellation), parallel_from_(parallel ? 1 << 13 : std::numeric_limits<std::size_t>::max()) {}
 
   // Fills the node at `index` of what is built, and all below it.
   void make_node(BuiltTree& out, std::size_t index, const Range& range, int level) const {
@@ -297,7 +48,7 @@ class Builder {
     NodeWriter writer(range.extent.box);
     for (std::size_t i = 0; i < count; ++i) writer.add_node(children[i].extent.box, first + i);
     out.nodes[index] = writer.node();
-    if (range.items.size() < parallel_from) {
+    if (range.items.size() < parallel_from_) {
       for (std::size_t i = 0; i < count; ++i) make_node(out, first + i, children[i], level + 1);
       return;
     }
@@ -365,19 +116,22 @@ class Builder {
   }
 
   const Vertices vertices_;
+  const std::size_t parallel_from_;  // items
 };
 
 }  // namespace
 
-BuiltTree build_tree(const Tessellation& tessellation) {
-  BuiltTree tree;
-  Items items(tessellation);
-  if (items.span().empty()) return tree;
-  tree.triangles.reserve(tessellation.triangles.size());
-  tree.nodes.reserve(items.span().size());
-  tree.nodes.resize(1);
-  Builder(tessellation).make_node(tree, 0, {items.span(), extent_of(items.span())}, 0);
-  return tree;
+}  // namespace tree
+
+BuiltTree build_tree(const Tessellation& tessellation, bool parallel) {
+  BuiltTree built;
+  tree::Items items(tessellation);
+  if (items.span().empty()) return built;
+  built.triangles.reserve(tessellation.triangles.size());
+  built.nodes.reserve(items.span().size());
+  built.nodes.resize(1);
+  tree::Builder(tessellation, parallel).make_node(built, 0, {items.span(), tree::extent_of(items.span())}, 0);
+  return built;
 }
 
 }  // namespace meristem

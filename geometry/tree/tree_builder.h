@@ -1,5 +1,4 @@
-// Builds a SurfaceTree: splits by the surface area heuristic over bins (Wald 2007, "On fast Construction of SAH-based
-// Bounding Volume Hierarchies") along the widest axis, eight parts a node.
+// Builds a SurfaceTree, eight parts a node.
 #pragma once
 
 #include "geometry/tree/surface_tree.h"
@@ -11,7 +10,7 @@ struct BuiltTree {
   std::vector<std::uint32_t> triangles;  // of the tessellation's list, in the order in which blocks want them
 };
 
-// The same for any number of threads. Some 20 ns a quad.
-BuiltTree build_tree(const Tessellation& tessellation);
+// The same for any number of threads. Some 20 ns a quad. `parallel`: large ones by parallel_for().
+BuiltTree build_tree(const Tessellation& tessellation, bool parallel);
 
 }  // namespace meristem

@@ -264,11 +264,11 @@ MERISTEM_INLINE std::uint32_t child_of(const SurfaceTree::Node& node, std::uint3
 }
 
 template <int Z, bool Any>
-bool trace(const TreeView& tree, const TreeRay& ray, TreeHit& hit) {
+bool trace(const TreeView& tree, const TreeRay& ray, float t_from, TreeHit& hit) {
   const RayLanes<Z> lanes(ray);
   const __m128 origin = _mm_load_ps(ray.origin.data()), reciprocal = _mm_load_ps(ray.reciprocal.data()),
                slack = _mm_load_ps(ray.slack.data());
-  const F8 t_min = splat(ray.t_min);
+  const F8 t_min = splat(t_from);
   Entered stack[SurfaceTree::most_waiting];
   std::size_t waiting = 0;
   bool found = false;
@@ -323,20 +323,20 @@ bool trace(const TreeView& tree, const TreeRay& ray, TreeHit& hit) {
   }
 }
 
-bool intersect(const TreeView& tree, const TreeRay& ray, TreeHit& hit) {
+bool intersect(const TreeView& tree, const TreeRay& ray, float t_min, TreeHit& hit) {
   switch (ray.axis) {
-    case 0: return trace<0, false>(tree, ray, hit);
-    case 1: return trace<1, false>(tree, ray, hit);
-    default: return trace<2, false>(tree, ray, hit);
+    case 0: return trace<0, false>(tree, ray, t_min, hit);
+    case 1: return trace<1, false>(tree, ray, t_min, hit);
+    default: return trace<2, false>(tree, ray, t_min, hit);
   }
 }
 
-bool occluded(const TreeView& tree, const TreeRay& ray, float t_max) {
+bool occluded(const TreeView& tree, const TreeRay& ray, float t_min, float t_max) {
   TreeHit hit{t_max};
   switch (ray.axis) {
-    case 0: return trace<0, true>(tree, ray, hit);
-    case 1: return trace<1, true>(tree, ray, hit);
-    default: return trace<2, true>(tree, ray, hit);
+    case 0: return trace<0, true>(tree, ray, t_min, hit);
+    case 1: return trace<1, true>(tree, ray, t_min, hit);
+    default: return trace<2, true>(tree, ray, t_min, hit);
   }
 }
 

@@ -12,8 +12,8 @@ struct TreeView {
 };
 
 struct TreeKernels {
-  bool (*intersect)(const TreeView& tree, const TreeRay& ray, TreeHit& hit);
-  bool (*occluded)(const TreeView& tree, const TreeRay& ray, float t_max);
+  bool (*intersect)(const TreeView& tree, const TreeRay& ray, float t_min, TreeHit& hit);
+  bool (*occluded)(const TreeView& tree, const TreeRay& ray, float t_min, float t_max);
 };
 
 const TreeKernels& baseline_tree_kernels();

@@ -15,7 +15,7 @@ constexpr float slack_of_plane = 0x1p-20f;
 
 }  // namespace
 
-TreeRay::TreeRay(Vec3f o, Vec3f d, float t_from) : origin{o.x, o.y, o.z, 0}, t_min(t_from) {
+TreeRay::TreeRay(Vec3f o, Vec3f d) : origin{o.x, o.y, o.z, 0} {
   const Vec3f magnitude = abs(d);
   axis = magnitude.x >= magnitude.y ? (magnitude.x >= magnitude.z ? 0 : 2) : (magnitude.y >= magnitude.z ? 1 : 2);
   const float least = magnitude[axis] * least_share;

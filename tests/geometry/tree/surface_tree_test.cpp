@@ -80,10 +80,10 @@ double distance_to(const std::array<Vec3f, 3>& c, Vec3f origin, Vec3f direction,
 struct Scene {
   explicit Scene(Tessellation tessellation) : t(std::move(tessellation)), tree(t) {}
   bool intersect(Vec3f origin, Vec3f direction, TreeHit& hit, float t_min = 0) const {
-    return tree.intersect(t.positions.data(), TreeRay(origin, direction, t_min), hit);
+    return tree.intersect(t.positions.data(), TreeRay(origin, direction), t_min, hit);
   }
   bool occluded(Vec3f origin, Vec3f direction, float t_max, float t_min = 0) const {
-    return tree.occluded(t.positions.data(), TreeRay(origin, direction, t_min), t_max);
+    return tree.occluded(t.positions.data(), TreeRay(origin, direction), t_min, t_max);
   }
   Tessellation t;
   SurfaceTree tree;
@@ -144,7 +144,7 @@ TEST_F(SurfaceTrees, FindsTheNearestTriangleOfAll) {
 TEST_F(SurfaceTrees, BothKernelsGiveTheSameBits) {
   if (&best_tree_kernels() == &baseline_tree_kernels()) GTEST_SKIP() << "this processor has but one";
   Tessellation t = heap(5, 500, 50);
-  const BuiltTree tree = build_tree(t);
+  const BuiltTree tree = build_tree(t, false);
   std::vector<std::array<std::uint32_t, 3>> sorted;
   for (std::uint32_t i : tree.triangles) sorted.push_back(t.triangles[i]);
   const TreeView view{tree.nodes.data(), sorted.data(), t.positions.data()};
@@ -153,11 +153,11 @@ TEST_F(SurfaceTrees, BothKernelsGiveTheSameBits) {
     const Vec3f origin = random_point(1, k) * 1.5f;
     // Many towards vertices: every bit counts there.
     const Vec3f target = k % 2 ? t.positions[hash_keys(3, k) % t.positions.size()] : random_point(2, k);
-    const TreeRay ray(origin, target - origin, 0);
+    const TreeRay ray(origin, target - origin);
     TreeHit a{INFINITY}, b{INFINITY};
-    ASSERT_EQ(avx2_tree_kernels().intersect(view, ray, a), baseline_tree_kernels().intersect(view, ray, b));
+    ASSERT_EQ(avx2_tree_kernels().intersect(view, ray, 0, a), baseline_tree_kernels().intersect(view, ray, 0, b));
     ASSERT_EQ(std::tie(a.t, a.triangle, a.u, a.v), std::tie(b.t, b.triangle, b.u, b.v));
-    ASSERT_EQ(avx2_tree_kernels().occluded(view, ray, 0.9f), baseline_tree_kernels().occluded(view, ray, 0.9f));
+    ASSERT_EQ(avx2_tree_kernels().occluded(view, ray, 0, 0.9f), baseline_tree_kernels().occluded(view, ray, 0, 0.9f));
     met += a.triangle != TreeHit::none;
   }
   EXPECT_GT(met, 5000);
@@ -300,9 +300,7 @@ TEST_F(SurfaceTrees, TrianglesKeepTheirSources) {
 
 TEST_F(SurfaceTrees, LargeTreesAreBuiltByManyThreadsAsByOne) {
   const Tessellation t = heap(13, 60000, 50);
-  const BuiltTree by_many = build_tree(t);
-  BuiltTree by_one;
-  run_isolated([&] { by_one = build_tree(t); });
+  const BuiltTree by_many = build_tree(t, true), by_one = build_tree(t, false);
   EXPECT_EQ(by_many.triangles, by_one.triangles);
   ASSERT_EQ(by_many.nodes.size(), by_one.nodes.size());
   EXPECT_EQ(std::memcmp(by_many.nodes.data(), by_one.nodes.data(), by_one.nodes.size() * sizeof(SurfaceTree::Node)), 0);
