@@ -42,7 +42,8 @@ MERISTEM_INLINE F8 from_bytes(const std::uint8_t* p) {
 }
 template <int I>
 MERISTEM_INLINE F8 lane(__m128 a) {
-  return _mm256_broadcastss_ps(_mm_shuffle_ps(a, a, _MM_SHUFFLE(I, I, I, I)));
+  if constexpr (I == 0) return _mm256_broadcastss_ps(a);
+  return _mm256_permutevar8x32_ps(_mm256_castps128_ps256(a), _mm256_set1_epi32(I));
 }
 // In both halves, of four points each: the i-th of all.
 MERISTEM_INLINE void transpose(F8 p0, F8 p1, F8 p2, F8 p3, F8 (&out)[3]) {
