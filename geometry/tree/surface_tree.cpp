@@ -1,7 +1,10 @@
 #include "geometry/tree/surface_tree.h"
 
+#include "geometry/base/scratch.h"
 #include "geometry/tree/tree_builder.h"
 #include "geometry/tree/tree_kernels.h"
+
+#include <algorithm>
 
 namespace meristem {
 
@@ -13,18 +16,26 @@ const TreeKernels& best_tree_kernels() {
   return best;
 }
 
+namespace {
+
+template <class T>
+void sort(std::vector<T>& list, const std::vector<std::uint32_t>& order) {
+  Scratch<T> old(list.size());
+  std::ranges::copy(list, old.data());
+  list.resize(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) list[i] = old[order[i]];
+}
+
+}  // namespace
+
 SurfaceTree::SurfaceTree(Tessellation& tessellation, bool parallel) {
-  BuiltTree built = build_tree(tessellation, parallel);
-  nodes_ = std::move(built.nodes);
-  nodes_.shrink_to_fit();
-  auto sort = [&](auto& list) {
-    std::remove_reference_t<decltype(list)> sorted;
-    sorted.reserve(list.size());
-    for (std::uint32_t i : built.triangles) sorted.push_back(list[i]);
-    list.swap(sorted);
-  };
-  sort(tessellation.triangles);
-  sort(tessellation.triangle_sources);
+  thread_local BuiltTree built;  // what stays is copied: no tree leaves holes in the heap
+  build_tree(tessellation, parallel, built);
+  nodes_.assign(built.nodes.begin(), built.nodes.end());
+  sort(tessellation.triangles, built.triangles);
+  sort(tessellation.triangle_sources, built.triangles);
+  constexpr std::size_t most_kept = 8192;  // a mebibyte
+  if (built.nodes.capacity() > most_kept || built.triangles.capacity() > 16 * most_kept) built = {};
   triangles_ = tessellation.triangles.data();
 }
 

@@ -123,15 +123,13 @@ class Builder {
 
 }  // namespace tree
 
-BuiltTree build_tree(const Tessellation& tessellation, bool parallel) {
-  BuiltTree built;
+void build_tree(const Tessellation& tessellation, bool parallel, BuiltTree& built) {
+  built.nodes.clear();
+  built.triangles.clear();
   tree::Items items(tessellation);
-  if (items.span().empty()) return built;
-  built.triangles.reserve(tessellation.triangles.size());
-  built.nodes.reserve(items.span().size());
+  if (items.span().empty()) return;
   built.nodes.resize(1);
   tree::Builder(tessellation, parallel).make_node(built, 0, {items.span(), tree::extent_of(items.span())}, 0);
-  return built;
 }
 
 }  // namespace meristem

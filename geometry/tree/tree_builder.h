@@ -10,7 +10,8 @@ struct BuiltTree {
   std::vector<std::uint32_t> triangles;  // of the tessellation's list, in the order in which blocks want them
 };
 
-// The same for any number of threads. Some 20 ns a quad. `parallel`: large ones by parallel_for().
-BuiltTree build_tree(const Tessellation& tessellation, bool parallel);
+// Fills `built`, whose memory is used again. The same for any number of threads. Some 20 ns a quad. `parallel`: large
+// ones by parallel_for().
+void build_tree(const Tessellation& tessellation, bool parallel, BuiltTree& built);
 
 }  // namespace meristem

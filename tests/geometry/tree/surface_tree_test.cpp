@@ -144,7 +144,8 @@ TEST_F(SurfaceTrees, FindsTheNearestTriangleOfAll) {
 TEST_F(SurfaceTrees, BothKernelsGiveTheSameBits) {
   if (&best_tree_kernels() == &baseline_tree_kernels()) GTEST_SKIP() << "this processor has but one";
   Tessellation t = heap(5, 500, 50);
-  const BuiltTree tree = build_tree(t, false);
+  BuiltTree tree;
+  build_tree(t, false, tree);
   std::vector<std::array<std::uint32_t, 3>> sorted;
   for (std::uint32_t i : tree.triangles) sorted.push_back(t.triangles[i]);
   const TreeView view{tree.nodes.data(), sorted.data(), t.positions.data()};
@@ -300,7 +301,9 @@ TEST_F(SurfaceTrees, TrianglesKeepTheirSources) {
 
 TEST_F(SurfaceTrees, LargeTreesAreBuiltByManyThreadsAsByOne) {
   const Tessellation t = heap(13, 60000, 50);
-  const BuiltTree by_many = build_tree(t, true), by_one = build_tree(t, false);
+  BuiltTree by_many, by_one;
+  build_tree(t, true, by_many);
+  build_tree(t, false, by_one);
   EXPECT_EQ(by_many.triangles, by_one.triangles);
   ASSERT_EQ(by_many.nodes.size(), by_one.nodes.size());
   EXPECT_EQ(std::memcmp(by_many.nodes.data(), by_one.nodes.data(), by_one.nodes.size() * sizeof(SurfaceTree::Node)), 0);
