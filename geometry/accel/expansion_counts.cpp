@@ -7,11 +7,6 @@ namespace meristem {
 
 namespace {
 
-double surface_area(const Bounds3f& b) {
-  const Vec3d s = Vec3d(b.size());
-  return b.empty() ? 0 : 2 * (s.x * s.y + s.y * s.z + s.z * s.x);
-}
-
 // The name in the scene: those of individuals differ behind a "#".
 std::string kind_of(const Model& model) { return model.name().substr(0, model.name().find('#')); }
 
@@ -59,8 +54,8 @@ void ExpansionCounts::record(const MadeCell& cell, CacheEntry& entry) const {
   label.cell_class = recorder_->class_of({kind_of(cell.model), cell.level, rule_of(cell), label.is_surface});
   RecordedExpansion record{label.cell_class,   cell.start_s,         cell.built_from_s,
                            recorder_->now_s(), cell.expansion.faces, entry.bytes};
-  const double real_area = surface_area(cell.real_bounds);
-  if (label.is_surface && real_area > 0) record.box_ratio = surface_area(cell.bounds) / real_area;
+  const double real_area = double(cell.real_bounds.surface_area());
+  if (label.is_surface && real_area > 0) record.box_ratio = double(cell.bounds.surface_area()) / real_area;
   recorder_->add_expansion(record);
 }
 

@@ -30,6 +30,10 @@ struct Bounds3 {
   Vec3<T> center() const { return (lower + upper) * T(0.5); }
   Vec3<T> size() const { return upper - lower; }
   T diagonal() const { return empty() ? T(0) : length(size()); }
+  T surface_area() const {
+    const Vec3<T> s = size();
+    return empty() ? T(0) : 2 * (s.x * s.y + s.y * s.z + s.z * s.x);
+  }
 };
 
 using Bounds3f = Bounds3<float>;

@@ -72,11 +72,6 @@ class Groups {
 };
 
 // In proportion to how many rays meet the box.
-double half_area(const Bounds3d& b) {
-  const Vec3d s = b.size();
-  return b.empty() ? 0 : s.x * s.y + s.y * s.z + s.z * s.x;
-}
-
 class ChildMaker {
  public:
   ChildMaker(const Model& model, InnerCell& inner) : model_(model), inner_(inner), mesh_(inner.cell.mesh) {}
@@ -181,9 +176,9 @@ class ChildMaker {
       next.faces = std::max(next.faces, double(inner_.faces_of_child(child).size()));
       Bounds3d both = joined.bounds;
       both.extend(next.bounds);
-      const double next_area = half_area(next.bounds);
+      const double next_area = next.bounds.surface_area();
       const bool joins = !starts.empty() && joined.faces + next.faces <= model_.settings().leaf_faces &&
-                         half_area(both) <= worth_joining * (area + next_area);
+                         both.surface_area() <= worth_joining * (area + next_area);
       if (!joins) {
         if (!starts.empty()) inner_.child_bounds.push_back(round_outwards(joined.bounds));
         starts.push_back(inner_.child_starts[child]);

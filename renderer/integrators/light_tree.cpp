@@ -21,15 +21,10 @@ float orientation_measure(const LightBounds& b) {
   return b.two_sided ? 2 * measure : measure;
 }
 
-float surface_area(const Bounds3f& box) {
-  const Vec3f s = box.size();
-  return 2 * (s.x * s.y + s.y * s.z + s.z * s.x);
-}
-
 // What a node costs, up to a factor: its power, by how little is known of where and whither it shines.
 float cost_of(const LightBounds& b, float longest_side) {
   // the square of the longest side keeps lights on a line or in one point comparable
-  return b.power * orientation_measure(b) * (surface_area(b.box) + 1e-3f * longest_side * longest_side);
+  return b.power * orientation_measure(b) * (b.box.surface_area() + 1e-3f * longest_side * longest_side);
 }
 
 }  // namespace

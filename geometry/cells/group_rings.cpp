@@ -1,0 +1,153 @@
+#include "geometry/cells/group_rings.h"
+
+#include "geometry/cells/extent.h"
+#include "geometry/mesh/contraction.h"
+#include "geometry/mesh/refine.h"
+
+namespace meristem {
+
+namespace {
+
+// A bound on the contraction of edges at every vertex, from the faces around it: of a closed fan of quads without
+// creases each neighbour is met twice, so that the exclusive or of all neighbours' indices vanishes.
+std::vector<double> vertex_contractions(const Mesh& mesh) {
+  std::vector<std::uint32_t> faces(mesh.vertex_count(), 0), parity(mesh.vertex_count(), 0);
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto c = mesh.corners(f);
+    std::uint32_t before = c.back();
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      ++faces[c[i]];
+      parity[c[i]] ^= before ^ (i + 1 < c.size() ? c[i + 1] : c[0]);
+      before = c[i];
+    }
+  }
+  const bool has_creases = !mesh.corner_sharpness.empty() || !mesh.vertex_sharpness.empty();
+  std::vector<double> result(mesh.vertex_count());
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    result[v] = has_creases || parity[v] != 0 || faces[v] < 3 ? worst_contraction : smooth_contraction(faces[v]);
+  return result;
+}
+
+double longest_edge(const Mesh& mesh, std::uint32_t f) {
+  const auto c = mesh.corners(f);
+  double longest = length_squared(mesh.positions[c.back()] - mesh.positions[c[0]]);
+  for (std::size_t i = 1; i < c.size(); ++i)
+    longest = std::max(longest, length_squared(mesh.positions[c[i]] - mesh.positions[c[i - 1]]));
+  return std::sqrt(longest);
+}
+
+// Only faces at vertices where groups meet bring in anything that is not the group's own.
+class RingBuilder {
+ public:
+  RingBuilder(const Mesh& mesh, std::span<const std::uint32_t> group_of, std::size_t group_count)
+      : mesh_(mesh),
+        uv_(vertex_uv(mesh)),
+        contraction_(vertex_contractions(mesh)),
+        groups_(mesh.vertex_count(), no_group),
+        is_border_(mesh.vertex_count()),
+        place_(mesh.vertex_count(), no_place) {
+    rings_.ring1.resize(group_count);
+    rings_.ring2.resize(group_count);
+    find_border(group_of);
+    add_own(group_of);
+    add_around_border(group_of);
+  }
+
+  GroupRings take() { return std::move(rings_); }
+
+ private:
+  static constexpr std::uint32_t no_group = ~0u, halo = ~1u, no_place = ~0u;
+
+  Ring1 vertex_ring1(std::uint32_t v) const {
+    return {Bounds3d{mesh_.positions[v], mesh_.positions[v]}, contraction_[v]};
+  }
+  Ring2 vertex_ring2(std::uint32_t v) const { return {0, uv_[v], uv_[v]}; }
+
+  // Vertices that faces of several groups, or a group's and the halo's, share; and places for all vertices of their
+  // faces.
+  void find_border(std::span<const std::uint32_t> group_of) {
+    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+      const std::uint32_t g = f < group_of.size() ? group_of[f] : halo;
+      for (std::uint32_t v : mesh_.corners(f)) {
+        if (groups_[v] != no_group && groups_[v] != g) is_border_[v] = true;
+        groups_[v] = g;
+      }
+    }
+    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+      const auto corners = mesh_.corners(f);
+      if (std::ranges::none_of(corners, [&](std::uint32_t v) { return is_border_[v]; })) continue;
+      border_faces_.push_back(f);
+      for (std::uint32_t v : corners)
+        if (place_[v] == no_place) place_[v] = places_++;
+    }
+  }
+
+  // The groups themselves, but for what lies at their border.
+  void add_own(std::span<const std::uint32_t> group_of) {
+    for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v) {
+      if (is_border_[v] || groups_[v] >= rings_.ring1.size()) continue;
+      rings_.ring1[groups_[v]].join(vertex_ring1(v));
+      rings_.ring2[groups_[v]].join(vertex_ring2(v));
+    }
+    edges_.resize(mesh_.face_count());
+    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+      edges_[f] = longest_edge(mesh_, f);
+      if (f < group_of.size()) rings_.ring2[group_of[f]].edge = std::max(rings_.ring2[group_of[f]].edge, edges_[f]);
+    }
+  }
+
+  void add_around_border(std::span<const std::uint32_t> group_of) {
+    // All faces around a vertex; of vertices with places
+    std::vector<Ring1> around1(places_);
+    std::vector<Ring2> around2(places_);
+    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+      const auto corners = mesh_.corners(f);
+      if (std::ranges::all_of(corners, [&](std::uint32_t v) { return place_[v] == no_place; })) continue;
+      Ring1 face1;
+      Ring2 face2{.edge = edges_[f]};
+      for (std::uint32_t v : corners) {
+        face1.join(vertex_ring1(v));
+        face2.join(vertex_ring2(v));
+      }
+      for (std::uint32_t v : corners) {
+        if (place_[v] == no_place) continue;
+        around1[place_[v]].join(face1);
+        around2[place_[v]].join(face2);
+      }
+    }
+    // And the ring around them; of the vertices at the border
+    std::vector<Ring2> around_rings(places_);
+    for (std::uint32_t f : border_faces_) {
+      Ring2 ring;
+      for (std::uint32_t v : mesh_.corners(f)) ring.join(around2[place_[v]]);
+      for (std::uint32_t v : mesh_.corners(f)) around_rings[place_[v]].join(ring);
+    }
+    for (std::uint32_t f : border_faces_) {
+      if (f >= group_of.size()) continue;
+      for (std::uint32_t v : mesh_.corners(f))
+        if (is_border_[v]) {
+          rings_.ring1[group_of[f]].join(around1[place_[v]]);
+          rings_.ring2[group_of[f]].join(around_rings[place_[v]]);
+        }
+    }
+  }
+
+  GroupRings rings_;
+  const Mesh& mesh_;
+  const std::vector<Vec2d> uv_;
+  const std::vector<double> contraction_;
+  std::vector<double> edges_;          // of faces: the longest
+  std::vector<std::uint32_t> groups_;  // of vertices; at the border that of one of their faces
+  std::vector<std::uint8_t> is_border_;
+  std::vector<std::uint32_t> border_faces_;  // with a vertex at the border
+  std::vector<std::uint32_t> place_;         // of their vertices: in lists of what lies around
+  std::uint32_t places_ = 0;
+};
+
+}  // namespace
+
+GroupRings rings_of_groups(const Mesh& mesh, std::span<const std::uint32_t> group_of, std::size_t group_count) {
+  return RingBuilder(mesh, group_of, group_count).take();
+}
+
+}  // namespace meristem
