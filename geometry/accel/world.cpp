@@ -50,6 +50,17 @@ class SampledRay {
   ExpansionRecorder* recorder_;
 };
 
+// A visit to the cache while one lives, if entries may leave it at all.
+class VisitIfEvicted {
+ public:
+  explicit VisitIfEvicted(GeometryCache& cache) {
+    if (cache.budget_bytes() != unlimited_bytes) visit_.emplace(cache);
+  }
+
+ private:
+  std::optional<GeometryCache::Visit> visit_;
+};
+
 class World final : public Intersector {
  public:
   World(std::vector<Placement> objects, const WorldOptions& options)
@@ -73,9 +84,9 @@ class World final : public Intersector {
     const TreeRay tree(ray.origin, ray.direction);
     context.tree_ray = &tree;
     const SampledRay sampled(recorder_.get(), context);
-    const GeometryCache::Visit visit(cache_);
+    const VisitIfEvicted visit(cache_);
     worlds_->route(ray).intersect(context, query);
-    cache_.count_acquired(context.acquired);
+    if (context.acquired > 0) cache_.count_acquired(context.acquired);
     if (context.patch) hit = surface_hit(context, query);
     return context.patch != nullptr;
   }
@@ -88,9 +99,9 @@ class World final : public Intersector {
     const TreeRay tree(ray.origin, ray.direction);
     context.tree_ray = &tree;
     const SampledRay sampled(recorder_.get(), context);
-    const GeometryCache::Visit visit(cache_);
+    const VisitIfEvicted visit(cache_);
     worlds_->route(ray).occluded(context, query);
-    cache_.count_acquired(context.acquired);
+    if (context.acquired > 0) cache_.count_acquired(context.acquired);
     return query.tfar < 0;
   }
 

@@ -1,7 +1,6 @@
 #include "geometry/fields/expression.h"
 
 #include "geometry/base/check.h"
-#include "geometry/base/scratch.h"
 #include "geometry/fields/interval.h"
 #include "geometry/fields/parser.h"
 #include "geometry/fields/program.h"
@@ -36,6 +35,9 @@ class CompiledExpression final : public Expression {
   void evaluate(const Block& block, float* x, float* y, float* z) const override {
     program_.run(best_kernels(), block, x, y, z);
   }
+  Vec3f evaluate_point(std::span<const Vec3f> values, Key key, Key salt) const override {
+    return program_.run_one(best_kernels(), values, key, salt);
+  }
   IntervalValue evaluate_bounds(std::span<const IntervalValue> inputs) const override {
     return bounds_of(graph_, result_, inputs);
   }
@@ -47,15 +49,6 @@ class CompiledExpression final : public Expression {
   Program program_;
 };
 
-// One point as a block: each value stands for all.
-Vec3f evaluate_one(const Expression& e, std::span<const Vec3f> values, Key key, Key salt) {
-  Scratch<Input> inputs(values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) inputs[i] = {&values[i].x, &values[i].y, &values[i].z, 0};
-  Vec3f result;
-  e.evaluate({1, inputs.span(), &key, salt}, &result.x, &result.y, &result.z);
-  return result;
-}
-
 }  // namespace
 
 std::shared_ptr<const Expression> Expression::compile(std::string_view text, const Symbols& symbols, ValueType wanted) {
@@ -64,12 +57,12 @@ std::shared_ptr<const Expression> Expression::compile(std::string_view text, con
 
 float Expression::evaluate_scalar(std::span<const Vec3f> values, Key key, Key salt) const {
   CHECK(type() == ValueType::Scalar, "\"{}\" is a vector", text());
-  return evaluate_one(*this, values, key, salt).x;
+  return evaluate_point(values, key, salt).x;
 }
 
 Vec3f Expression::evaluate_vector(std::span<const Vec3f> values, Key key, Key salt) const {
   CHECK(type() == ValueType::Vector, "\"{}\" is a scalar", text());
-  return evaluate_one(*this, values, key, salt);
+  return evaluate_point(values, key, salt);
 }
 
 }  // namespace meristem

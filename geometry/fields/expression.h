@@ -103,6 +103,9 @@ class Expression {
   // One point, for constants and per-face parameters: `values` holds one Vec3f a slot (scalars in x).
   float evaluate_scalar(std::span<const Vec3f> values, Key key = 0, Key salt = 0) const;
   Vec3f evaluate_vector(std::span<const Vec3f> values, Key key = 0, Key salt = 0) const;
+
+ protected:
+  virtual Vec3f evaluate_point(std::span<const Vec3f> values, Key key, Key salt) const = 0;
 };
 
 }  // namespace meristem

@@ -3,6 +3,7 @@
 #include "geometry/base/check.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstring>
 #include <immintrin.h>
@@ -91,7 +92,26 @@ struct Program::Scratch {
   std::vector<std::uint8_t> uniform_input, uniform_value;
 };
 
-Program::Program(const Graph& graph, NodeId result) {
+// Of one program in one thread: its operands and calls, for one point. All values lie in one array, lane_group equal
+// floats each: constants, inputs, results of instructions.
+struct Program::Frame {
+  std::uint64_t program = 0;  // number_; 0: none
+  AlignedFloats values;
+  std::vector<Operand> operands;
+  std::vector<Scratch::Call> calls;
+  std::array<const float*, 3> result{};
+};
+
+namespace {
+
+std::uint64_t next_program_number() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+}  // namespace
+
+Program::Program(const Graph& graph, NodeId result) : number_(next_program_number()) {
   const auto needed = needed_components(graph, result);
   std::vector<Sources> sources(graph.size());
   for (std::size_t i = 0; i < graph.size(); ++i)
@@ -319,6 +339,57 @@ void Program::run(const KernelTable& kernels, const Block& block, float* x, floa
         std::fill_n(out[std::size_t(c)] + start, count, *from.data);
     }
   }
+}
+
+void Program::make_frame(Frame& frame) const {
+  frame = {};
+  const std::size_t first_value = constants_.size() + inputs_.size();
+  frame.values.reserve((first_value + value_registers_.size()) * lane_group);
+  const auto place = [&](const Source& source) {
+    std::size_t i = std::size_t(source.index);
+    if (source.kind == Source::Kind::Input) i += constants_.size();
+    if (source.kind == Source::Kind::Value) i += first_value;
+    return frame.values.data() + i * lane_group;
+  };
+  for (std::size_t i = 0; i < constants_.size(); ++i)
+    std::fill_n(frame.values.data() + i * lane_group, lane_group, constants_[i]);
+  for (const Source& source : operands_) frame.operands.push_back({place(source), 0});
+  for (const Instruction& in : instructions_) {
+    Scratch::Call call{{{}, frame.operands.data() + in.first_operand, in.operand_count, in.parameter}, in.op, in.grid};
+    if (in.curve >= 0) call.kernel_call.pieces = curves_[std::size_t(in.curve)].pieces.data();
+    for (int k = 0; k < in.value_count; ++k)
+      call.kernel_call.out[std::size_t(k)] = place({Source::Kind::Value, in.first_value + k});
+    frame.calls.push_back(call);
+  }
+  for (int c = 0; c < result_components_; ++c) frame.result[std::size_t(c)] = place(result_[std::size_t(c)]);
+  frame.program = number_;
+}
+
+Vec3f Program::run_one(const KernelTable& kernels, std::span<const Vec3f> values, Key key, Key salt) const {
+  constexpr std::size_t frame_count = 256;  // a thread: more programs than a scene's materials and rules use in turn
+  thread_local std::vector<Frame> frames(frame_count);
+  Frame& frame = frames[number_ % frame_count];
+  if (frame.program != number_) make_frame(frame);
+  float* input = frame.values.data() + constants_.size() * lane_group;
+  for (const InputUse& use : inputs_) {
+    CHECK(std::size_t(use.slot) < values.size(), "input {} of {}", use.slot, values.size());
+    std::fill_n(input, lane_group, values[std::size_t(use.slot)][use.component]);
+    input += lane_group;
+  }
+  const FloatMode mode;
+  for (const Scratch::Call& call : frame.calls) {
+    if (call.op == Op::Rand) {
+      run_rand(call.kernel_call, &key, salt, 1, 1);
+      std::fill_n(call.kernel_call.out[0] + 1, lane_group - 1, call.kernel_call.out[0][0]);
+    } else if (call.grid) {
+      run_grid(call.op, *call.grid, call.kernel_call, lane_group);
+    } else {
+      kernels.functions[std::size_t(call.op)](call.kernel_call, kernels.lanes);
+    }
+  }
+  Vec3f result;
+  for (int c = 0; c < result_components_; ++c) result[c] = *frame.result[std::size_t(c)];
+  return result;
 }
 
 // Points the operands that are varying inputs at the run's lanes. Those of a run that does not end with a group (as

@@ -17,6 +17,7 @@ class Pinhole : public Camera {
     ray.direction = normalize(perspective_.to_world(perspective_.image_point(sample.film, width, height)));
     return ray;
   }
+  bool has_lens() const override { return false; }
   float footprint(Vec3f position, int width, int height) const override {
     return perspective_.footprint(position, width, height);
   }

@@ -6,6 +6,8 @@
 // last. Terms are below limit; 2^20 of them fit. 16 bytes.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -17,11 +19,12 @@ class ExactSum {
 
   // |x| < limit.
   void add(double x) {
-    const double size = std::abs(x);
-    const auto whole = std::uint64_t(size);
-    const auto fraction = std::uint64_t((size - double(whole)) * 0x1p64);  // below 1: exact, then cut off
-    const Unsigned term = (Unsigned(whole) << 64) | fraction;
-    bits_ += x < 0 ? -term : term;
+    // The digits of a double stand for themselves times 2^(exponent - 1075); what lies below 2^-64 is cut off
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    const int exponent = int(bits >> 52) & 0x7ff;
+    const std::uint64_t digits = (bits & 0xfffffffffffffull) | 0x10000000000000ull;
+    const Unsigned term = (Unsigned(digits) << 64) >> std::min(1075 - exponent, 127);
+    bits_ += std::signbit(x) ? -term : term;
   }
   void add(const ExactSum& o) { bits_ += o.bits_; }
 

@@ -9,6 +9,7 @@ namespace meristem {
 namespace {
 
 constexpr std::size_t cell_count = 1024;  // even, so that no cell straddles the centre
+constexpr std::size_t step_count = 4 * cell_count;
 
 }  // namespace
 
@@ -24,15 +25,15 @@ FilterSampler::FilterSampler(const Filter& filter)
   }
   for (std::size_t i = 0; i <= cell_count; ++i)
     cumulative_[i] = sum > 0 ? float(partial[i] / sum) : float(i) / float(cell_count);
-  for (std::size_t i = 0, cell = 0; i < cell_count; ++i) {
-    while (cell + 1 < cell_count && cumulative_[cell + 1] <= float(i) / float(cell_count)) ++cell;
+  for (std::size_t i = 0, cell = 0; i < step_count; ++i) {
+    while (cell + 1 < cell_count && cumulative_[cell + 1] <= float(i) / float(step_count)) ++cell;
     first_cells_.push_back(std::uint16_t(cell));
   }
   if (sum > 0) mean_weight_ = float((signed_sum / sum) * (signed_sum / sum));  // of a product of two independent signs
 }
 
 FilterSampler::Sample1D FilterSampler::sample_1d(float random) const {
-  std::size_t cell = first_cells_[std::min(std::size_t(random * float(cell_count)), cell_count - 1)];
+  std::size_t cell = first_cells_[std::min(std::size_t(random * float(step_count)), step_count - 1)];
   while (cell + 1 < cell_count && cumulative_[cell + 1] <= random) ++cell;
   const float low = cumulative_[cell], high = cumulative_[cell + 1];
   const float inside = high > low ? (random - low) / (high - low) : 0.5f;

@@ -37,8 +37,8 @@ class FilterSampler {
   float mean_weight_ = 1;
   std::vector<float> values_;      // of the filter at the cells' centres
   std::vector<float> cumulative_;  // of |value|, normalised: [0] is 0, the last is 1
-  // As many equal steps of the random number as there are cells: in which cell each begins, so that a look-up goes on
-  // from there instead of bisecting.
+  // Four times as many equal steps of the random number as there are cells: in which cell each begins, so that a
+  // look-up goes on from there instead of bisecting, mostly by no step at all.
   std::vector<std::uint16_t> first_cells_;
 };
 

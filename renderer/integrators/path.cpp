@@ -20,6 +20,10 @@
 //
 // A path is a state that asks for one ray at a time and goes on when it is told what the ray met; so it can be followed
 // at once (radiance()) or wait among many others (PathStepper). What becomes of it does not depend on which.
+//
+// What the last ray of a path meets is not asked where it cannot matter: among opaque surfaces that do not glow it only
+// has to learn whether it gets out, and if no lamp stands in its way and there is no environment it is not traced at
+// all.
 #include "renderer/integrators/first_surface.h"
 #include "renderer/integrators/light_choice.h"
 #include "renderer/materials/bsdf.h"
@@ -28,6 +32,7 @@
 #include "renderer/scene/scene.h"
 
 #include <algorithm>
+#include <functional>
 #include <new>
 #include <optional>
 #include <type_traits>
@@ -43,6 +48,7 @@ struct PathState {
   enum class Asks : std::uint8_t { Nothing, Surface, Light };
   Asks asks = Asks::Surface;
   bool goes_on = false;  // along `ray`, once the light has answered
+  bool any = false;      // of `ray` it is only asked whether it meets something
   Ray ray;               // to the next surface, or to `collision` in a medium, where it ends
   MediumCollision collision;
   Receiver last_vertex;  // where the ray was scattered, and how:
@@ -72,6 +78,10 @@ class Path : public Integrator, public PathStepper {
     choice_.emplace(scene.lights);
     transparency_ = std::ranges::any_of(scene.materials, [](const auto& m) { return m->may_be_transparent(); });
     textures_ = std::ranges::any_of(scene.materials, [](const auto& m) { return m->has_textures(); });
+    only_lamps_ = choice_->environments().empty();
+    dark_.clear();
+    for (const auto& m : scene.materials) dark_.push_back(!m->may_emit() && !m->may_be_transparent());
+    all_dark_ = scene.media.empty() && std::ranges::all_of(dark_, std::identity{});
     cones_ = textures_ || std::ranges::any_of(scene.lights, [](const auto& l) { return l->has_texture(); });
   }
   Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts,
@@ -89,11 +99,17 @@ class Path : public Integrator, public PathStepper {
   bool textures() const { return textures_; }          // of some material: the path's cone is needed,
   bool cones() const { return cones_; }                // or of a light: that of the camera's ray is
   int roulette_depth() const { return roulette_depth_; }
+  // Whether a path that ends at a surface of this material brings no light from it,
+  bool is_dark(std::size_t material) const { return dark_[material]; }
+  bool all_dark() const { return all_dark_; }      // of any that there is, and there is no medium
+  bool only_lamps() const { return only_lamps_; }  // no environment
 
  private:
   int roulette_depth_;
   std::optional<LightChoice> choice_;
   bool transparency_ = false, textures_ = false, cones_ = false;
+  bool all_dark_ = false, only_lamps_ = false;
+  std::vector<std::uint8_t> dark_;  // by material
 };
 
 // One camera path while it goes on.
@@ -116,19 +132,22 @@ class Walk {
     fly(ray);
   }
 
-  void answer(bool met, const SurfaceHit& hit) {
+  // `point` holds what was met, and of all else it needs nothing.
+  void answer(bool met, ShadingPoint& point) {
     if (s_.asks == PathState::Asks::Surface)
-      meet_surface(met, hit);
+      meet_surface(met, point);
     else
-      meet_towards_light(met, hit);
+      meet_towards_light(met, point);
   }
 
  private:
   void ask(PathState::Asks what) { s_.asks = what; }
 
   // Asks for the next ray at the surface that was met, if there is to be one.
-  void meet_surface(bool met, const SurfaceHit& hit) {
+  void meet_surface(bool met, ShadingPoint& point) {
     ask(PathState::Asks::Nothing);
+    if (met && s_.any) return;
+    const SurfaceHit& hit = point.hit;
     add_crossed_lights(met ? hit.t : s_.ray.t_max);
     if (!met && std::isfinite(s_.ray.t_max)) return meet_medium();
     if (!met) {
@@ -137,21 +156,21 @@ class Walk {
       counts_.escaped += s_.depth == 0 && s_.sum == before;  // a background that is there is opaque
       return;
     }
+    const std::size_t material = scene_.material_index(hit);
+    const bool is_last = s_.depth >= scene_.settings.max_depth;
+    if (is_last && s_.depth > 0 && path_.is_dark(material)) return;
     s_.width += s_.spread * hit.t;
-    ShadingPoint point{hit, -s_.ray.direction, s_.width};
+    point.wo = -s_.ray.direction;
+    point.footprint = s_.width;
     Bsdf bsdf;
-    scene_.material_of(hit).evaluate(point, bsdf);
+    scene_.materials[material]->evaluate(point, bsdf);
     if (bsdf.inside() && bsdf.absorption != Spectrum{}) s_.throughput *= passed(bsdf.absorption, hit.t);
     if (bsdf.opacity < 1 && sampler_.next_1d() >= bsdf.opacity) return pass_through(hit);
     if (s_.depth == 0) report_first(first_, hit, bsdf);
     if (bsdf.emission != Spectrum{}) s_.sum += s_.throughput * bsdf.emission * weight_of_surface(hit);
-    if (s_.depth >= scene_.settings.max_depth) return;
+    if (is_last) return;
     const bool asks_light = choose_light(
-        receiver(point, bsdf),
-        [&](Vec3f wi) {
-          const Spectrum f = bsdf.evaluate(point.wo, wi);
-          return Scattered{f, f == Spectrum{} ? 0 : bsdf.pdf(point.wo, wi)};
-        },
+        receiver(point, bsdf), [&](Vec3f wi) { return bsdf.scattered(point.wo, wi); },
         [&](Vec3f wi) { return ray_from(hit, wi, s_.ray, RayClass::Shadow); });
     s_.goes_on = scatter(point, bsdf);
     ask_light_first(asks_light);
@@ -185,7 +204,7 @@ class Walk {
         {place, {}},
         [&](Vec3f wi) {
           const float p = phase(c.anisotropy, dot(before, wi));
-          return Scattered{Spectrum(p), p};
+          return Bsdf::Scattered{Spectrum(p), p};
         },
         [&](Vec3f wi) { return free_ray(place, wi, RayClass::Shadow); });
     s_.goes_on = scatter_in_medium(place);
@@ -266,14 +285,8 @@ class Walk {
     return weight_met(found, scene_.lights[found]->pdf_hit(whole, s_.travelled + t_nearest));
   }
 
-  // What a vertex scatters towards a direction, and the pdf with which it would have gone there itself.
-  struct Scattered {
-    Spectrum value;
-    float pdf;
-  };
-
-  // Makes the ray to a light, if one may bring something. Of a direction, `scatter` gives the Scattered and `ray_to`
-  // the ray.
+  // Makes the ray to a light, if one may bring something. Of a direction, `scatter` gives the Bsdf::Scattered and
+  // `ray_to` the ray.
   template <class Scatter, class RayTo>
   bool choose_light(const Receiver& vertex, const Scatter& scatter, const RayTo& ray_to) {
     if (scene_.lights.empty()) return false;
@@ -284,8 +297,9 @@ class Walk {
     const LightSample light = scene_.lights[std::size_t(pick.light)]->sample(vertex.position, random);
     const float pdf = light.pdf * pick.probability;
     if (!(pdf > 0)) return false;
-    const Scattered scattered = scatter(light.direction);
-    if (scattered.value == Spectrum{} || light.radiance == Spectrum{}) return false;
+    if (light.radiance == Spectrum{}) return false;
+    const Bsdf::Scattered scattered = scatter(light.direction);
+    if (scattered.value == Spectrum{}) return false;
     const float weight = light.is_delta ? 1 : power_heuristic(pdf, scattered.pdf);
     s_.shadow = ray_to(light.direction);
     s_.shadow.t_max = light.distance;
@@ -315,11 +329,14 @@ class Walk {
   }
 
   // A surface in the way of the light dims it, or ends its way.
-  void meet_towards_light(bool met, const SurfaceHit& veil) {
+  void meet_towards_light(bool met, ShadingPoint& point) {
     if (!met) return add_light(s_.visible);
     if (!path_.transparency()) return add_light(0);
+    const SurfaceHit& veil = point.hit;
+    point.wo = -s_.shadow.direction;
+    point.footprint = s_.width;
     Bsdf bsdf;
-    scene_.material_of(veil).evaluate({veil, -s_.shadow.direction, s_.width}, bsdf);
+    scene_.material_of(veil).evaluate(point, bsdf);
     s_.visible *= 1 - bsdf.opacity;
     if (!(s_.visible > 0) || ++s_.light_passes == max_passes) return add_light(0);
     const float rest = s_.shadow.t_max - veil.t;
@@ -364,6 +381,10 @@ class Walk {
   }
 
   bool leave(const Receiver& vertex, float pdf, const Ray& ray) {
+    if (s_.depth >= scene_.settings.max_depth && path_.all_dark()) {
+      s_.any = !crosses_lights(ray);
+      if (s_.any && path_.only_lamps()) return false;
+    }
     ++counts_.bounce;
     if (path_.textures()) widen(pdf);
     s_.last_pdf = pdf;
@@ -371,6 +392,14 @@ class Walk {
     s_.travelled = 0;
     fly(ray);
     return true;
+  }
+
+  // Whether it meets a lamp if nothing is in between.
+  bool crosses_lights(const Ray& ray) const {
+    bool crosses = false;
+    choice_.tree().visit_crossed(
+        ray, ray.t_max, [&](std::size_t i) { crosses = crosses || scene_.lights[i]->intersect(ray) < ray.t_max; });
+    return crosses;
   }
 
   // Of the solid angle 1 / pdf the cone takes an eighth of the diameter: many paths fill it, and what they see is mixed
@@ -391,7 +420,8 @@ class Walk {
 };
 
 RayRequest request_of(const PathState& state, bool transparency) {
-  if (state.asks == PathState::Asks::Surface) return {RayRequest::Kind::Nearest, state.ray};
+  if (state.asks == PathState::Asks::Surface)
+    return {state.any ? RayRequest::Kind::Any : RayRequest::Kind::Nearest, state.ray};
   if (state.asks == PathState::Asks::Nothing) return {RayRequest::Kind::None, state.ray};
   return {transparency ? RayRequest::Kind::Nearest : RayRequest::Kind::Any, state.shadow};
 }
@@ -402,12 +432,12 @@ Spectrum Path::radiance(const Ray& ray, const Scene& scene, Sampler& sampler, Ra
   PathState state;
   Walk walk(*this, {scene, sampler, counts, first}, state);
   walk.begin(ray);
+  ShadingPoint point;
   while (state.asks != PathState::Asks::Nothing) {
     const RayRequest request = request_of(state, transparency_);
-    SurfaceHit hit;
     const bool met =
-        request.kind == RayRequest::Kind::Any ? world.occluded(request.ray) : world.intersect(request.ray, hit);
-    walk.answer(met, hit);
+        request.kind == RayRequest::Kind::Any ? world.occluded(request.ray) : world.intersect(request.ray, point.hit);
+    walk.answer(met, point);
   }
   return state.sum;
 }
@@ -421,7 +451,8 @@ RayRequest Path::request(const void* state) const {
 }
 
 void Path::answer(void* state, bool met, const SurfaceHit& hit, const PathTools& tools) const {
-  Walk(*this, tools, *static_cast<PathState*>(state)).answer(met, hit);
+  ShadingPoint point{hit, {}};
+  Walk(*this, tools, *static_cast<PathState*>(state)).answer(met, point);
 }
 
 }  // namespace

@@ -158,55 +158,71 @@ float Bsdf::glass_gain(float cos_o) const {
   return 1 / ggx::glass_albedo(cos_o, alpha, std::max(ggx::eta_of(f0), 1.01f), inside_);
 }
 
-Spectrum Bsdf::layers_reflected(Vec3f wo, Vec3f wi) const {
-  Spectrum f;
+// Both directions on the side of wo: the BRDF.
+Bsdf::Scattered Bsdf::layers_reflected(Vec3f wo, Vec3f wi) const {
+  Scattered s;
   if (coat > 0) {
-    const float cos_h = dot(wo, normalize(wo + wi));
-    f += Spectrum(coat * (1 - fuzz_albedo(wo.z)) * ggx::fresnel_dielectric(cos_h, ggx::eta_of(coat_f0)) *
-                  ggx::reflectance(wo, wi, coat_alpha));
+    const Vec3f h = normalize(wo + wi);
+    const ggx::Reflection r = ggx::reflection(wo, wi, h, coat_alpha);
+    s.value += Spectrum(coat * (1 - fuzz_albedo(wo.z)) * ggx::fresnel_dielectric(dot(wo, h), ggx::eta_of(coat_f0)) *
+                        r.reflectance);
+    s.pdf = shares_.coat * r.pdf;
   }
-  if (fuzz > 0) f += fuzz_color * (fuzz * fuzz::reflectance(wo, wi, fuzz_roughness));
-  return f;
+  if (fuzz > 0) s.value += fuzz_color * (fuzz * fuzz::reflectance(wo, wi, fuzz_roughness));
+  return s;
 }
 
-// The BRDF, both directions on the side of wo.
-Spectrum Bsdf::reflected(Vec3f wo, Vec3f wi) const {
+Bsdf::Scattered Bsdf::reflected(Vec3f wo, Vec3f wi) const {
   const float base = 1 - metalness;
-  Spectrum f;
+  Scattered s{{}, (shares_.diffuse + shares_.fuzz) * wi.z / pi_f};
   if (mirrors()) {
-    const float cos_h = dot(wo, normalize(wo + wi));
+    const Vec3f h = normalize(wo + wi);
+    const float cos_h = dot(wo, h);
+    const ggx::Reflection r = ggx::reflection(wo, wi, h, alpha);
     Spectrum mirror = fresnel(cos_h);
+    float share = shares_.specular;
     if (glass > 0) {
-      const float gain = glass_gain(wo.z), opaque = ggx::fresnel_dielectric(cos_h, ggx::eta_of(f0));
-      mirror += dielectric_tint * (base * glass * (glass_fresnel(cos_h) * gain - opaque));
+      const float of_glass = glass_fresnel(cos_h), opaque = ggx::fresnel_dielectric(cos_h, ggx::eta_of(f0));
+      mirror += dielectric_tint * (base * glass * (of_glass * glass_gain(wo.z) - opaque));
+      share += shares_.glass * of_glass;
     }
-    f = mirror * (passed_o_ * ggx::reflectance(wo, wi, alpha));
+    s.value = mirror * (passed_o_ * r.reflectance);
+    s.pdf += share * r.pdf;
   }
-  if (base > 0 && glass < 1) f += diffuse_reflectance(wo, wi) * (base * (1 - glass) * over_diffuse(wi.z));
-  if (metalness > 0) f += metal_interreflection(wo.z, wi.z) * (metalness * passed_o_);
-  if (!layered()) return f;
-  return f * coat_color(wo.z, wi.z) + layers_reflected(wo, wi);
+  if (base > 0 && glass < 1) s.value += diffuse_reflectance(wo, wi) * (base * (1 - glass) * over_diffuse(wi.z));
+  if (metalness > 0) s.value += metal_interreflection(wo.z, wi.z) * (metalness * passed_o_);
+  if (!layered()) return s;
+  const Scattered layers = layers_reflected(wo, wi);
+  return {s.value * coat_color(wo.z, wi.z) + layers.value, s.pdf + layers.pdf};
 }
 
 // The part of the glass alone, white.
-float Bsdf::glass_through(Vec3f wo, Vec3f wi) const {
+Bsdf::Scattered Bsdf::glass_through(Vec3f wo, Vec3f wi) const {
   const float gain = glass_gain(wo.z);
   if (thin_walled) {
-    const Vec3f mirrored{wi.x, wi.y, -wi.z};
-    return gain * (1 - glass_fresnel(dot(wo, normalize(wo + mirrored)))) * ggx::reflectance(wo, mirrored, alpha);
+    const Vec3f mirrored{wi.x, wi.y, -wi.z}, h = normalize(wo + mirrored);
+    const float passed = 1 - glass_fresnel(dot(wo, h));
+    const ggx::Reflection r = ggx::reflection(wo, mirrored, h, alpha);
+    return {Spectrum(gain * passed * r.reflectance), shares_.glass * passed * r.pdf};
   }
-  const Vec3f h = ggx::refracting_normal(wo, wi, eta());
-  return gain * (1 - glass_fresnel(dot(wo, h))) * ggx::transmittance(wo, wi, alpha, eta());
+  const float passed = 1 - glass_fresnel(dot(wo, ggx::refracting_normal(wo, wi, eta())));
+  return {Spectrum(gain * passed * ggx::transmittance(wo, wi, alpha, eta())),
+          shares_.glass * passed * ggx::refracted_pdf(wo, wi, alpha, eta())};
 }
 
 // The BTDF.
-Spectrum Bsdf::passed_through(Vec3f wo, Vec3f wi) const {
+Bsdf::Scattered Bsdf::passed_through(Vec3f wo, Vec3f wi) const {
   const float base = 1 - metalness;
   if (base == 0) return {};
-  Spectrum f;
-  if (transmitted != Spectrum{}) f = transmitted * (base * (1 - glass) * over_diffuse(-wi.z) / pi_f);
-  if (glass > 0) f += glass_tint * (base * glass * passed_o_ * glass_through(wo, wi));
-  return f * coat_color(wo.z, -wi.z);
+  Scattered s{{}, shares_.transmitted * -wi.z / pi_f};
+  if (transmitted != Spectrum{}) s.value = transmitted * (base * (1 - glass) * over_diffuse(-wi.z) / pi_f);
+  if (glass > 0) {
+    const Scattered through = glass_through(wo, wi);
+    s.value += glass_tint * (base * glass * passed_o_ * through.value.x);
+    s.pdf += through.pdf;
+  }
+  s.value *= coat_color(wo.z, -wi.z);
+  return s;
 }
 
 Spectrum Bsdf::albedo() const {
@@ -214,11 +230,14 @@ Spectrum Bsdf::albedo() const {
   return base * (1 - metalness) + metal_f0 * (metal_weight * metalness);
 }
 
-Spectrum Bsdf::evaluate(Vec3f wo_world, Vec3f wi_world) const {
+Bsdf::Scattered Bsdf::scattered(Vec3f wo_world, Vec3f wi_world) const {
   const Vec3f wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
   if (!same_side(wo_world) || !(wo.z > 0)) return {};
-  if (!same_side(wi_world)) return wi.z < 0 ? passed_through(wo, wi) * -wi.z : Spectrum{};
-  return wi.z > 0 ? reflected(wo, wi) * (wi.z * terminator(wi_world)) : Spectrum{};
+  const bool reflects = same_side(wi_world);
+  if (reflects ? !(wi.z > 0) : !(wi.z < 0)) return {};
+  Scattered s = reflects ? reflected(wo, wi) : passed_through(wo, wi);
+  s.value *= reflects ? wi.z * terminator(wi_world) : -wi.z;
+  return s;
 }
 
 }  // namespace meristem

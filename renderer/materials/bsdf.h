@@ -68,10 +68,14 @@ struct Bsdf {
   // them. For AOVs.
   Spectrum albedo() const;
 
-  // The scattered part times |cos| of wi. Here and below wo is that of set_frame().
-  Spectrum evaluate(Vec3f wo, Vec3f wi) const;
-  // The density of sample() by solid angle.
-  float pdf(Vec3f wo, Vec3f wi) const;
+  // What it scatters from wi to wo. Here and below wo is that of set_frame().
+  struct Scattered {
+    Spectrum value;  // times |cos| of wi
+    float pdf = 0;   // the density of sample() by solid angle
+  };
+  Scattered scattered(Vec3f wo, Vec3f wi) const;
+  Spectrum evaluate(Vec3f wo, Vec3f wi) const { return scattered(wo, wi).value; }
+  float pdf(Vec3f wo, Vec3f wi) const { return scattered(wo, wi).pdf; }
   // `choice` picks the lobe, `random` the direction in it. pdf 0: absorbed.
   BsdfSample sample(Vec3f wo, Vec2f random, float choice) const;
 
@@ -102,11 +106,10 @@ struct Bsdf {
   float eta() const;  // of the glass, from the side of wo
   float glass_fresnel(float cosine) const;
   float glass_gain(float cos_o) const;
-  Spectrum reflected(Vec3f wo, Vec3f wi) const;
-  Spectrum layers_reflected(Vec3f wo, Vec3f wi) const;
-  Spectrum passed_through(Vec3f wo, Vec3f wi) const;
-  float glass_through(Vec3f wo, Vec3f wi) const;
-  float local_pdf(Vec3f wo, Vec3f wi) const;
+  Scattered reflected(Vec3f wo, Vec3f wi) const;
+  Scattered layers_reflected(Vec3f wo, Vec3f wi) const;
+  Scattered passed_through(Vec3f wo, Vec3f wi) const;
+  Scattered glass_through(Vec3f wo, Vec3f wi) const;
   Choice choose(Vec3f wo, Vec2f random, float choice) const;
   Choice choose_glass(Vec3f wo, Vec2f random, float choice) const;
   Spectrum diffuse_reflectance(Vec3f wo, Vec3f wi) const;

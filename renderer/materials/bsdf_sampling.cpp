@@ -28,34 +28,6 @@ Bsdf::Shares Bsdf::shares(float cosine) const {
           s.glass * scale,    s.coat * scale,    s.fuzz * scale};
 }
 
-float Bsdf::local_pdf(Vec3f wo, Vec3f wi) const {
-  const Shares& s = shares_;
-  if (wi.z < 0) {
-    float density = s.transmitted * -wi.z / pi_f;
-    if (s.glass > 0 && thin_walled) {
-      const Vec3f mirrored{wi.x, wi.y, -wi.z};
-      const float f = glass_fresnel(dot(wo, normalize(wo + mirrored)));
-      density += s.glass * (1 - f) * ggx::reflected_pdf(wo, mirrored, alpha);
-    } else if (s.glass > 0) {
-      const float f = glass_fresnel(dot(wo, ggx::refracting_normal(wo, wi, eta())));
-      density += s.glass * (1 - f) * ggx::refracted_pdf(wo, wi, alpha, eta());
-    }
-    return density;
-  }
-  float mirror = s.specular;
-  if (s.glass > 0) mirror += s.glass * glass_fresnel(dot(wo, normalize(wo + wi)));
-  float density = (s.diffuse + s.fuzz) * wi.z / pi_f;
-  if (mirror > 0) density += mirror * ggx::reflected_pdf(wo, wi, alpha);
-  if (s.coat > 0) density += s.coat * ggx::reflected_pdf(wo, wi, coat_alpha);
-  return density;
-}
-
-float Bsdf::pdf(Vec3f wo_world, Vec3f wi_world) const {
-  const Vec3f wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
-  if (!same_side(wo_world) || !(wo.z > 0)) return 0;
-  return wi.z != 0 && same_side(wi_world) == (wi.z > 0) ? local_pdf(wo, wi) : 0;
-}
-
 // One microfacet reflects or refracts, by its Fresnel term.
 Bsdf::Choice Bsdf::choose_glass(Vec3f wo, Vec2f random, float choice) const {
   const Vec3f h = ggx::sample_visible_normal(wo, alpha, random), mirrored = h * (2 * dot(wo, h)) - wo;
@@ -93,9 +65,9 @@ BsdfSample Bsdf::sample(Vec3f wo_world, Vec2f random, float choice) const {
   result.is_transmission = chosen.transmission;
   result.wi = normalize(frame_.to_world(chosen.wi));
   if (same_side(result.wi) == result.is_transmission) return result;
-  const float density = pdf(wo_world, result.wi);
+  const auto [value, density] = scattered(wo_world, result.wi);
   if (!(density > 0)) return result;
-  const Spectrum weight = evaluate(wo_world, result.wi) / density;
+  const Spectrum weight = value / density;
   if (!is_finite(weight)) return result;
   if (result.is_transmission && glass > 0 && !thin_walled) result.eta = eta();
   result.pdf = density;

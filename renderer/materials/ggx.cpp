@@ -21,10 +21,10 @@ float lambda(Vec3f w, float alpha) {
 // Directions flatter than this scatter nothing: the quotients below would overflow.
 constexpr float min_cosine = 1e-7f;
 
-float reflectance(Vec3f wo, Vec3f wi, float alpha) {
-  if (!(wo.z > min_cosine && wi.z > min_cosine)) return 0;
-  const Vec3f h = normalize(wo + wi);
-  return distribution(h, alpha) * masking_shadowing(wo, wi, alpha) / (4 * wo.z * wi.z);
+Reflection reflection(Vec3f wo, Vec3f wi, Vec3f h, float alpha) {
+  if (!(wo.z > min_cosine && wi.z > min_cosine)) return {};
+  const float d = distribution(h, alpha), lambda_o = lambda(wo, alpha);
+  return {d * (1 / (1 + lambda_o + lambda(wi, alpha))) / (4 * wo.z * wi.z), 1 / (1 + lambda_o) * d / (4 * wo.z)};
 }
 
 Vec3f sample_visible_normal(Vec3f wo, float alpha, Vec2f random) {
@@ -34,11 +34,6 @@ Vec3f sample_visible_normal(Vec3f wo, float alpha, Vec2f random) {
   const float sine = std::sqrt(std::clamp(1 - z * z, 0.f, 1.f));
   const Vec3f h = Vec3f{sine * std::cos(angle), sine * std::sin(angle), z} + v;
   return normalize(Vec3f{alpha * h.x, alpha * h.y, std::max(h.z, 1e-9f)});
-}
-
-float reflected_pdf(Vec3f wo, Vec3f wi, float alpha) {
-  if (!(wo.z > min_cosine && wi.z > min_cosine)) return 0;
-  return masking(wo, alpha) * distribution(normalize(wo + wi), alpha) / (4 * wo.z);
 }
 
 Vec3f refracting_normal(Vec3f wo, Vec3f wi, float eta) {

@@ -21,12 +21,14 @@ inline float masking_shadowing(Vec3f wo, Vec3f wi, float alpha) {
   return 1 / (1 + lambda(wo, alpha) + lambda(wi, alpha));
 }
 
-// D G / (4 cos cos): a BRDF but for the Fresnel term.
-float reflectance(Vec3f wo, Vec3f wi, float alpha);
+// What microfacets with the normal h, half way between wo and wi, reflect.
+struct Reflection {
+  float reflectance = 0;  // D G / (4 cos cos): a BRDF but for the Fresnel term
+  float pdf = 0;          // by solid angle, of the mirror directions of sample_visible_normal()
+};
+Reflection reflection(Vec3f wo, Vec3f wi, Vec3f h, float alpha);
 // The normal of a microfacet that wo sees. Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
 Vec3f sample_visible_normal(Vec3f wo, float alpha, Vec2f random);
-// The density, by solid angle, of the mirror directions of those normals.
-float reflected_pdf(Vec3f wo, Vec3f wi, float alpha);
 
 // Refraction from wo into a medium of relative index eta (below 1: into the thinner one); wi.z < 0. Walter et al.,
 // section 5.3. `h` is the normal (h.z > 0) of a microfacet that refracts wo to wi; zero if there is none.

@@ -54,18 +54,12 @@ ScalarParameter::ScalarParameter(Params& params, const Symbols& symbols, const c
   if (constant_) value_ = clean(expression_->evaluate_scalar(no_values));
 }
 
-float ScalarParameter::at(const MaterialValues& v) const { return constant_ ? value_ : clean(v.scalar(*expression_)); }
-
 ColorParameter::ColorParameter(Params& params, const Symbols& symbols, const char* name, const char* fallback,
                                float upper, const char* doc)
     : expression_(params.vector_expression(name, fallback, symbols, doc)), upper_(upper) {
   CHECK(expression_, "no expression for \"{}\"", name);
   constant_ = expression_->is_constant();
   if (constant_) value_ = clean(expression_->evaluate_vector(no_values));
-}
-
-Spectrum ColorParameter::at(const MaterialValues& v) const {
-  return constant_ ? value_ : clean(v.vector(*expression_));
 }
 
 Spectrum ColorParameter::clean(Vec3f c) const {

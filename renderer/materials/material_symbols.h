@@ -45,8 +45,9 @@ class ScalarParameter {
                   float upper, const char* doc);
   ScalarParameter(Params& params, const char* name, const char* fallback, float lower, float upper, const char* doc)
       : ScalarParameter(params, material_symbols(), name, fallback, lower, upper, doc) {}
-  float at(const MaterialValues& values) const;
+  float at(const MaterialValues& values) const { return constant_ ? value_ : clean(values.scalar(*expression_)); }
   bool is_constant() const { return constant_; }
+  float constant_value() const { return value_; }  // of one that is
 
  private:
   float clean(float x) const { return x > lower_ ? std::min(x, upper_) : lower_; }
@@ -64,7 +65,7 @@ class ColorParameter {
                  const char* doc);
   ColorParameter(Params& params, const char* name, const char* fallback, float upper, const char* doc)
       : ColorParameter(params, material_symbols(), name, fallback, upper, doc) {}
-  Spectrum at(const MaterialValues& values) const;
+  Spectrum at(const MaterialValues& values) const { return constant_ ? value_ : clean(values.vector(*expression_)); }
   bool is_constant() const { return constant_; }
 
  private:

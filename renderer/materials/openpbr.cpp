@@ -80,7 +80,7 @@ class OpenPbr : public Material {
     return emission_color_.at(v) * (emission_luminance_.at(v) * opacity_.at(v));
   }
 
-  bool may_be_transparent() const override { return !opacity_.is_constant() || opacity_.at(MaterialValues({})) < 1; }
+  bool may_be_transparent() const override { return !opacity_.is_constant() || opacity_.constant_value() < 1; }
 
  private:
   ScalarParameter scalar(Params& p, const char* name, const char* fallback, float lower, float upper, const char* doc) {
@@ -179,7 +179,7 @@ class OpenPbr : public Material {
     bsdf.f0 = std::min(ggx::f0_of(std::max(relative, 1 / relative)), ggx::max_f0);
   }
 
-  static bool is_zero(const ScalarParameter& p) { return p.is_constant() && p.at(MaterialValues({})) == 0; }
+  static bool is_zero(const ScalarParameter& p) { return p.is_constant() && p.constant_value() == 0; }
 
   MaterialTextures textures_;
   bool constant_ = true;  // no parameter depends on the hit; then all hits have

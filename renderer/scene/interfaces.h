@@ -30,6 +30,7 @@ class Sampler {
   virtual void start(int pixel_x, int pixel_y, int sample_index, std::uint64_t seed) = 0;
   virtual float next_1d() = 0;  // [0, 1)
   virtual Vec2f next_2d() = 0;
+  virtual void skip_2d() { next_2d(); }  // as a call of it whose numbers nobody wants
   // Numbers drawn since start(), and going on from there after a start() of the same sample: so a path that waits keeps
   // a count in place of a sampler.
   virtual std::uint32_t dimension() const = 0;
@@ -47,6 +48,8 @@ class Camera {
   virtual ~Camera() = default;
   // The ray through film position in an image of width x height pixels; unit direction.
   virtual Ray ray(const CameraSample& sample, int width, int height) const = 0;
+  // Whether ray() asks where on the lens.
+  virtual bool has_lens() const { return true; }
   // The size in world units of one pixel at a world position: the footprint. Grows gently out of view. Of a camera that
   // moves the least while the shutter is open.
   virtual float footprint(Vec3f position, int width, int height) const = 0;

@@ -63,10 +63,11 @@ class Scene {
     integrator->prepare(*this);
   }
 
-  const Material& material_of(const SurfaceHit& hit) const {
+  std::size_t material_index(const SurfaceHit& hit) const {
     const int i = hit.origin.material;
-    return *materials[i >= 0 && std::size_t(i) < materials.size() ? std::size_t(i) : 0];
+    return i >= 0 && std::size_t(i) < materials.size() ? std::size_t(i) : 0;
   }
+  const Material& material_of(const SurfaceHit& hit) const { return *materials[material_index(hit)]; }
 };
 
 }  // namespace meristem

@@ -13,7 +13,7 @@ Ray central_ray(const Scene& scene, float time) {
 }  // namespace
 
 CameraPaths::CameraPaths(const Scene& scene)
-    : scene_(scene), filter_(*scene.filter), view_axis_(central_ray(scene, 0)) {}
+    : scene_(scene), filter_(*scene.filter), view_axis_(central_ray(scene, 0)), has_lens_(scene.camera->has_lens()) {}
 
 CameraPaths::Start CameraPaths::start(const PixelSample& sample, Sampler& sampler) const {
   const RenderSettings& settings = scene_.settings;
@@ -21,7 +21,11 @@ CameraPaths::Start CameraPaths::start(const PixelSample& sample, Sampler& sample
   // Choose where in the filter's support the ray passes, and where on the lens
   const FilterSample at = filter_.sample(sampler.next_2d());
   const Vec2f pixel{float(sample.x) + 0.5f, float(sample.y) + 0.5f};
-  CameraSample camera_sample{pixel + at.offset, sampler.next_2d()};
+  CameraSample camera_sample{pixel + at.offset, {0.5f, 0.5f}};
+  if (has_lens_)
+    camera_sample.lens = sampler.next_2d();
+  else
+    sampler.skip_2d();
   if (scene_.moves) camera_sample.time = sampler.next_1d();
   Start start{scene_.camera->ray(camera_sample, settings.width, settings.height), at.weight < 0 ? -1 : 1};
   start.ray.time = camera_sample.time;

@@ -31,6 +31,7 @@ class CameraPaths {
   const Scene& scene_;
   const FilterSampler filter_;
   const Ray view_axis_;  // when the shutter opens
+  const bool has_lens_;
 };
 
 }  // namespace meristem

@@ -188,23 +188,26 @@ void RenderSession::take_sample(Worker& worker, const PixelSample& at) {
   const CameraPaths::Start start = camera_.start(at, sampler);
   FilmSample result{.weight = start.weight, .number = at.number};
   const std::uint64_t escaped_before = worker.rays.escaped;
-  FirstSurface first;
-  first.time = start.ray.time;
-  if (film_.wants_first_surface()) result.first = &first;
+  std::optional<FirstSurface> first;
+  if (film_.wants_first_surface()) {
+    first.emplace();
+    first->time = start.ray.time;
+    result.first = &*first;
+  }
+  FirstSurface* const wanted = first ? &*first : nullptr;
   if (film_.wants_costs())
-    measure_sample(worker, start.ray, first, result);
+    measure_sample(worker, start.ray, wanted, result);
   else
-    result.radiance =
-        scene_.integrator->radiance(start.ray, scene_, sampler, worker.rays, result.first ? &first : nullptr);
+    result.radiance = scene_.integrator->radiance(start.ray, scene_, sampler, worker.rays, wanted);
   result.covered = worker.rays.escaped == escaped_before;
   camera_.measure(result);
   film_.add(at.x, at.y, result);
 }
 
-void RenderSession::measure_sample(Worker& worker, const Ray& ray, FirstSurface& first, FilmSample& sample) {
+void RenderSession::measure_sample(Worker& worker, const Ray& ray, FirstSurface* first, FilmSample& sample) {
   const auto started = std::chrono::steady_clock::now();
   const ThreadExpansions before = scene_.intersector->thread_expansions();
-  sample.radiance = scene_.integrator->radiance(ray, scene_, *worker.sampler, worker.rays, &first);
+  sample.radiance = scene_.integrator->radiance(ray, scene_, *worker.sampler, worker.rays, first);
   const ThreadExpansions after = scene_.intersector->thread_expansions();
   sample.expansions = {after.expanded - before.expanded, after.reexpanded - before.reexpanded};
   sample.nanoseconds = std::uint64_t(std::chrono::nanoseconds(std::chrono::steady_clock::now() - started).count());

@@ -97,7 +97,7 @@ class RenderSession {
   void render_tile(Worker& worker, const PixelWindow& tile);
   void render_pixel(Worker& worker, int x, int y);
   void take_sample(Worker& worker, const PixelSample& at);
-  void measure_sample(Worker& worker, const Ray& ray, FirstSurface& first, FilmSample& sample);
+  void measure_sample(Worker& worker, const Ray& ray, FirstSurface* first, FilmSample& sample);
   void choose_finished(std::uint32_t end);
   std::uint64_t samples_to_take() const;
   bool is_finished(int x, int y) const;

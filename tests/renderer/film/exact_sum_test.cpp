@@ -55,6 +55,17 @@ TEST(ExactSum, IsTheSum) {
   EXPECT_EQ(sum_of({}), 0);
 }
 
+TEST(ExactSum, CutsOffWhatLiesBelowItsUnit) {
+  for (const double sign : {1.0, -1.0}) {
+    ExactSum sum;
+    for (const double x : {0x1p-64, 0x1.8p-63, 0x1.fp-65, 0x1p-1074, 0.0}) sum.add(sign * x);
+    EXPECT_EQ(sum.value(), sign * 0x1p-62);
+    sum.add(sign * 0x1.fffffffffffffp41);
+    sum.add(sign * -0x1.fffffffffffffp41);
+    EXPECT_EQ(sum.value(), sign * 0x1p-62);
+  }
+}
+
 TEST(ExactSum, HoldsAMillionOfTheLargestTerms) {
   ExactSum sum, part;
   for (int i = 0; i < 1024; ++i) part.add(-0x1.fffffep41);

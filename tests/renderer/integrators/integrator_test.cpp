@@ -88,6 +88,7 @@ struct Matte : Material {
     bsdf.set_frame(point);
   }
   bool may_be_transparent() const override { return opacity < 1; }
+  bool may_emit() const override { return emission != Spectrum{}; }
 };
 
 struct Transport : testing::Test {
@@ -190,10 +191,10 @@ TEST_F(Transport, RaysTellTheirClass) {
   scene.lights.push_back(make<Light>(register_sphere, R"({ "center": [0, 0, 0], "radius": 0.5, "intensity": 16 })"));
   scene.settings.max_depth = 2;
   radiance({1, 0, 0}, {1, 0.2f, 0.1f}, 1);
-  EXPECT_EQ(world->classes,
-            (std::vector{std::pair(Camera, Camera), std::pair(Shadow, Camera), std::pair(Diffuse, Camera),
-                         std::pair(Shadow, Diffuse), std::pair(Diffuse, Diffuse)}));
+  EXPECT_EQ(world->classes, (std::vector{std::pair(Camera, Camera), std::pair(Shadow, Camera),
+                                         std::pair(Diffuse, Camera), std::pair(Shadow, Diffuse)}));
   world->classes.clear();
+  scene.lights.push_back(make<Light>(register_constant));
   static_cast<Matte&>(*scene.materials[0]).glass = 1;
   scene.settings.max_depth = 1;
   for (int i = 0; i < 16; ++i) radiance({1, 0, 0}, {1, 0.2f, 0.1f}, 1);
@@ -269,6 +270,30 @@ TEST_F(Transport, CountsRays) {
   EXPECT_NEAR(double(counts.shadow), 32, 2);  // half of the light samples lie below the floor
 }
 
+// The last ray of a path among dark surfaces is only asked whether it gets out; without an environment and away from
+// lamps it is not traced at all. Another material that glows, and is seen by nobody, makes it a ray like others: the
+// same light.
+TEST_F(Transport, LastRaysAskForNothingThatCannotMatter) {
+  add_floor(0);
+  add_ball({0, 1, 0}, 1);
+  scene.settings.max_depth = 2;
+  scene.lights.push_back(make<Light>(register_sphere, R"({ "center": [3, 1, 0], "radius": 0.2, "intensity": 9 })"));
+  const auto rays_and_light = [&] {
+    counts = {};
+    const Spectrum light = radiance({2, 2, 3}, {-1, -1, -1.5f}, 256);
+    return std::pair(counts.bounce, light);
+  };
+  const auto [few, of_lamp] = rays_and_light();
+  scene.lights.push_back(make<Light>(register_constant));
+  const auto [more, of_both] = rays_and_light();
+  add_material().emission = Spectrum(1.f);
+  EXPECT_EQ(rays_and_light(), std::pair(more, of_both));
+  scene.lights.pop_back();
+  const auto [all, of_lamp_again] = rays_and_light();
+  EXPECT_EQ(of_lamp_again, of_lamp);
+  EXPECT_LT(few, all);
+}
+
 // Paths that take turns, each known between its rays by a copied state and a count of random numbers alone, end with
 // the bits of paths that are followed at once.
 TEST_F(Transport, PathsThatWaitEndWithTheSameBits) {
@@ -317,6 +342,7 @@ TEST_F(Transport, PathsThatWaitEndWithTheSameBits) {
       ++alive;
       SurfaceHit hit;
       const bool met = world->intersect(request.ray, hit);
+      if (request.kind == RayRequest::Kind::Any) hit = {};
       scene.sampler->start(i, 0, 3, 1);
       scene.sampler->go_to(path.dimension);
       stepper->answer(path.state.data(), met, hit, {scene, *scene.sampler, in_turn, nullptr});
@@ -351,6 +377,15 @@ TEST_F(Transport, NormalsAsColours) {
   scene.integrator = make<Integrator>(register_normals);
   EXPECT_EQ(radiance({0, 1, 0}, {0, -1, 0.1f}, 1), (Spectrum{0.5f, 1, 0.5f}));
   EXPECT_EQ(radiance({0, -1, 0}, {0, 1, 0.1f}, 1), (Spectrum{0.25f, 0.5f, 0.25f}));
+}
+
+TEST(RayOrigin, NextFloatIsThatOfTheStandardLibrary) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  for (const float x : {0.f, 1.f, 1.5f, 0x1p-149f, 0x1p-126f, 0x1.fffffep-127f, 0x1.fffffep5f, 3e38f})
+    for (const float sign : {1.f, -1.f}) {
+      EXPECT_EQ(next_float(x * sign, 0.1f), std::nextafter(x * sign, infinity)) << x * sign;
+      EXPECT_EQ(next_float(x * sign, -0.1f), std::nextafter(x * sign, -infinity)) << x * sign;
+    }
 }
 
 TEST(RayOrigin, LiesBeyondTheErrorOnTheSideOfTheRay) {

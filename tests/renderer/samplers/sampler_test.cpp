@@ -73,6 +73,39 @@ class AnySampler : public testing::TestWithParam<void (*)(SamplerRegistry&)> {
 INSTANTIATE_TEST_SUITE_P(, AnySampler, testing::Values(&register_sobol, &register_independent),
                          [](const auto& test) { return test.index == 0 ? "sobol" : "independent"; });
 
+TEST_P(AnySampler, SkipsNumbersThatNobodyWants) {
+  sampler->start(3, 5, 7, 0);
+  sampler->next_2d();
+  const float next = sampler->next_1d();
+  sampler->start(3, 5, 7, 0);
+  sampler->skip_2d();
+  EXPECT_EQ(sampler->next_1d(), next);
+}
+
+// The bits of Burley's definition, written as it is: films that are gone on with depend on them.
+TEST(Sobol, HasTheBitsOfItsDefinition) {
+  const auto reversed = [](std::uint32_t x) {
+    std::uint32_t r = 0;
+    for (int i = 0; i < 32; ++i) r |= (x >> i & 1) << (31 - i);
+    return r;
+  };
+  const auto scrambled = [&](std::uint32_t x, std::uint32_t seed) {
+    x = reversed(x) + seed;
+    for (const std::uint32_t factor : {0x6c50b47cu, 0xb82f1e52u, 0xc7afe638u, 0x8d22f6e6u}) x ^= x * factor;
+    return reversed(x);
+  };
+  const auto unit = [](std::uint32_t x) { return float(x >> 8) * 0x1p-24f; };
+  const auto sampler = make<Sampler>(register_sobol);
+  for (int i = 0; i < 100; ++i) {
+    sampler->start(i % 3, i % 5, i, 2);
+    const Key pixel = hash_keys(2, Key(i % 3), Key(i % 5)), first = hash_keys(pixel, 0), second = hash_keys(pixel, 1);
+    EXPECT_EQ(sampler->next_1d(),
+              unit(scrambled(reversed(scrambled(std::uint32_t(i), std::uint32_t(first))), std::uint32_t(first >> 32))));
+    EXPECT_EQ(sampler->next_2d().x, unit(scrambled(reversed(scrambled(std::uint32_t(i), std::uint32_t(second))),
+                                                   std::uint32_t(second >> 32))));
+  }
+}
+
 TEST_P(AnySampler, IsUniformOverPixels) {
   constexpr int side = 16, pixels = 128 * 128;
   std::vector<int> cells(side * side);
