@@ -1,7 +1,5 @@
 #include "renderer/integrators/light_choice.h"
 
-#include "renderer/scene/warps.h"
-
 namespace meristem {
 namespace {
 

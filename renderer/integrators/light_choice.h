@@ -6,6 +6,7 @@
 
 #include "renderer/integrators/light_tree.h"
 #include "renderer/scene/interfaces.h"
+#include "renderer/scene/warps.h"
 
 #include <memory>
 #include <optional>
@@ -26,6 +27,8 @@ class LightChoice {
   // The lights without bounds, by number.
   const std::vector<std::size_t>& environments() const { return environments_; }
   const LightTree& tree() const { return tree_; }
+  // The luminance of all of them together, as a mean over all directions.
+  float mean_background() const { return environment_power_ / (4 * pi_f); }
 
  private:
   float environment_share(const Receiver& receiver) const;

@@ -2,8 +2,12 @@
 //
 // At each surface one light is asked (light_choice.h) and one direction of the material followed; the two are combined
 // by multiple importance sampling with the power heuristic (Veach 1997, section 9.2). The scene's `max_depth` is the
-// number of bounces: 0 shows only what glows, 1 direct light, 2 one indirect bounce. After `roulette_depth` bounces
-// weak paths end by Russian roulette, which changes noise, not brightness.
+// number of bounces: 0 shows only what glows, 1 direct light, 2 one indirect bounce.
+//
+// Russian roulette changes noise, not brightness. After `roulette_depth` bounces a path goes on with a probability of
+// what its light still counts (its throughput), before that with that over `roulette_throughput`, if it is less. A
+// light is asked for certain if it may bring `roulette_light` of the environments' mean radiance; if less, in
+// proportion: most shadow rays from the depth of a plant would bring next to nothing.
 //
 // Opacity below 1 lets camera and bounce rays pass by chance and dims shadow rays; neither counts as a bounce. Lights
 // with shapes add their light to a ray that crosses them and do not stop it, as they stop no shadow ray either. Glowing
@@ -71,13 +75,19 @@ static_assert(std::is_trivially_copyable_v<PathState> && sizeof(PathState) <= 25
 class Path : public Integrator, public PathStepper {
  public:
   explicit Path(Params& params) {
-    roulette_depth_ = params.integer("roulette_depth", 4, {0, 1e6, ""}, "bounces before weak paths may end early");
+    roulette_depth_ = params.integer("roulette_depth", 4, {0, 1e6, ""}, "bounces before any path may end early");
+    roulette_throughput_ = float(params.real("roulette_throughput", 0.2, {0, 1, ""},
+                                             "before that, only those whose light counts less; 0: none"));
+    roulette_light_ = float(params.real(
+        "roulette_light", 0.1, not_negative,
+        "light that may bring less, as part of the environments' mean radiance, is not always asked; 0: it is"));
   }
 
   void prepare(const Scene& scene) override {
     choice_.emplace(scene.lights);
     transparency_ = std::ranges::any_of(scene.materials, [](const auto& m) { return m->may_be_transparent(); });
     textures_ = std::ranges::any_of(scene.materials, [](const auto& m) { return m->has_textures(); });
+    faint_light_ = roulette_light_ * choice_->mean_background();
     only_lamps_ = choice_->environments().empty();
     dark_.clear();
     for (const auto& m : scene.materials) dark_.push_back(!m->may_emit() && !m->may_be_transparent());
@@ -99,6 +109,8 @@ class Path : public Integrator, public PathStepper {
   bool textures() const { return textures_; }          // of some material: the path's cone is needed,
   bool cones() const { return cones_; }                // or of a light: that of the camera's ray is
   int roulette_depth() const { return roulette_depth_; }
+  float roulette_throughput() const { return roulette_throughput_; }
+  float faint_light() const { return faint_light_; }  // less luminance is not always asked for
   // Whether a path that ends at a surface of this material brings no light from it,
   bool is_dark(std::size_t material) const { return dark_[material]; }
   bool all_dark() const { return all_dark_; }      // of any that there is, and there is no medium
@@ -106,6 +118,7 @@ class Path : public Integrator, public PathStepper {
 
  private:
   int roulette_depth_;
+  float roulette_throughput_, roulette_light_, faint_light_ = 0;
   std::optional<LightChoice> choice_;
   bool transparency_ = false, textures_ = false, cones_ = false;
   bool all_dark_ = false, only_lamps_ = false;
@@ -305,9 +318,15 @@ class Walk {
     s_.shadow.t_max = light.distance;
     const float dimmed = transmittance(s_.shadow);
     if (dimmed == 0) return false;
-    ++counts_.shadow;
     s_.light = s_.throughput * scattered.value * light.radiance;
     s_.light_scale = weight / pdf * dimmed;
+    const float size = luminance(s_.light) * s_.light_scale;
+    if (size < path_.faint_light()) {
+      const float chance = size / path_.faint_light();
+      if (!(sampler_.next_1d() < chance)) return false;
+      s_.light_scale /= chance;
+    }
+    ++counts_.shadow;
     s_.visible = 1;
     s_.light_passes = 0;
     return true;
@@ -373,8 +392,12 @@ class Walk {
   }
 
   bool survives() {
-    if (++s_.depth < path_.roulette_depth()) return true;
-    const float survival = std::min(0.95f, max_component(s_.throughput) * s_.entered);
+    const float left = max_component(s_.throughput) * s_.entered;
+    float survival = std::min(0.95f, left);
+    if (++s_.depth < path_.roulette_depth()) {
+      if (left >= path_.roulette_throughput()) return true;
+      survival = left / path_.roulette_throughput();
+    }
     if (sampler_.next_1d() >= survival) return false;
     s_.throughput /= survival;
     return true;

@@ -260,10 +260,28 @@ TEST_F(Transport, RouletteChangesNoiseAlone) {
   EXPECT_NEAR(radiance({0, 0, 0}, {1, 2, 3}, 16384).x, 2, 0.05);
 }
 
+// Faint light and faint paths: half of the rays, the same mean.
+TEST_F(Transport, RouletteOfFaintLightChangesNoiseAlone) {
+  add_ball({0, 1, 0}, 1);
+  add_floor(0);
+  scene.lights.push_back(make<Light>(register_constant));
+  const auto rays_and_light = [&](const char* parameters) {
+    scene.integrator = make<Integrator>(register_path, parameters);
+    counts = {};
+    const Spectrum light = radiance({0, 1, 3}, {0.35f, -1, -1.5f}, 16384);
+    return std::pair(counts.bounce + counts.shadow, light.x);
+  };
+  const auto [all, expected] = rays_and_light(R"({ "roulette_throughput": 0, "roulette_light": 0 })");
+  const auto [few, light] = rays_and_light(R"({ "roulette_throughput": 1, "roulette_light": 2 })");
+  EXPECT_LT(double(few), 0.7 * double(all));
+  EXPECT_NEAR(light, expected, 0.01);
+}
+
 TEST_F(Transport, CountsRays) {
   add_floor(0);
   scene.settings.max_depth = 1;
   scene.lights.push_back(make<Light>(register_constant));
+  scene.integrator = make<Integrator>(register_path, R"({ "roulette_light": 0 })");
   radiance({0, 1, 0}, {0, -1, 0.1f}, 64);
   EXPECT_EQ(counts.camera, 64u);
   EXPECT_LE(counts.bounce, 64u);
