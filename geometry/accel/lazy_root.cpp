@@ -1,4 +1,5 @@
 #include "geometry/accel/instances.h"
+#include "geometry/accel/leaf_store.h"
 #include "geometry/accel/model_root.h"
 #include "geometry/accel/proxy_scene.h"
 #include "geometry/accel/roots.h"
@@ -73,6 +74,12 @@ class CellEntry : public CacheEntry {
       instances_->occluded(context, ray);
   }
 
+  // Where the surface goes when it is evicted.
+  void set_store(const std::shared_ptr<LeafStore>& store) { store_ = store; }
+  void forgotten() override {
+    if (store_) store_->keep(name, *patch_, label);
+  }
+
   // As ModelRoot::follow(): the way goes on with one of the children or instances, or ends here.
   bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray);
 
@@ -93,6 +100,7 @@ class CellEntry : public CacheEntry {
   std::unique_ptr<CacheSlot[]> slots_;
   std::unique_ptr<ProxyScene> proxies_;
   std::unique_ptr<Instances> instances_;
+  std::shared_ptr<LeafStore> store_;  // of its root, which it may outlive; only of a surface
 };
 
 // The least t at which a ray may be in a box; infinity if it is not up to tfar.
@@ -132,12 +140,13 @@ Tessellation box_of(const Bounds3f& b, Key key) {
 
 class LazyRoot final : public ModelRoot {
  public:
-  LazyRoot(RootSource source, Roots& roots, GeometryCache& cache, ExpansionCounts& counts)
+  LazyRoot(RootSource source, Roots& roots, GeometryCache& cache, ExpansionCounts& counts, ScratchFile* scratch)
       : ModelRoot(source.bounds),
         source_(std::move(source)),
         roots_(roots),
         cache_(cache),
         counts_(counts),
+        store_(scratch ? std::make_shared<LeafStore>(*scratch) : nullptr),
         reach_(source_.part->placer ? source_.part->placer->reach() : Bounds3f{}),
         name_(hash_keys(identity(), std::bit_cast<std::uintptr_t>(source_.part.get()))) {}
 
@@ -157,17 +166,20 @@ class LazyRoot final : public ModelRoot {
   const Model& model() const { return *source_.part->model; }
 
   CellEntry* root(const RayUse& use = {}) const {
-    return static_cast<CellEntry*>(cache_.acquire(slot_, source_.parent, use, [this]() -> std::unique_ptr<CacheEntry> {
-      if (!source_.part->model) return placed(source_.part->members);
-      const auto cut = [this] { return root_cell(model(), ground_footprint(), source_.individual); };
-      return make_entry(cut, 0, bounds(), hash_keys(hash_text(model().name()), source_.individual));
+    return static_cast<CellEntry*>(cache_.acquire(slot_, source_.parent, use, [this] {
+      std::unique_ptr<CacheEntry> entry = make_root_entry();
+      entry->name = name_;
+      return entry;
     }));
   }
   CellEntry* child(CellEntry& parent, std::size_t index, const RayUse& use = {}) const {
     return static_cast<CellEntry*>(cache_.acquire(parent.slot(index), &parent, use, [this, &parent, index] {
       const InnerCell& inner = *parent.inner();
-      auto entry = make_entry([&] { return child_cell(model(), inner, index); }, inner.level, inner.child_bounds[index],
-                              inner.child_keys[index]);
+      std::unique_ptr<CacheEntry> entry = kept_surface(child_name(inner, index), inner.child_keys[index]);
+      if (!entry)
+        entry = make_entry([&] { return child_cell(model(), inner, index); }, inner.level, inner.child_bounds[index],
+                           inner.child_keys[index]);
+      entry->name = child_name(inner, index);
       parent.proxies().tighten(index, static_cast<const CellEntry&>(*entry).real_bounds());
       return entry;
     }));
@@ -182,8 +194,7 @@ class LazyRoot final : public ModelRoot {
     if (CellEntry* cell = found(slot)) return cell;
     const WayStep step(context, index);
     const InnerCell& inner = *parent.inner();
-    note(slot, hash_keys(name_, inner.child_keys[index], Key(inner.level)), parent.proxies().known_bounds(index), ray,
-         *context.search);
+    note(slot, child_name(inner, index), parent.proxies().known_bounds(index), ray, *context.search);
     return nullptr;
   }
   CellEntry* found(CacheSlot& slot) const { return static_cast<CellEntry*>(cache_.find(slot)); }
@@ -211,6 +222,38 @@ class LazyRoot final : public ModelRoot {
     const double footprint = source_.footprint ? source_.footprint->at({}) : 0;
     const Key of_first = hash_keys(source_.individual, std::bit_cast<Key>(footprint));
     return source_.moment == 0 ? of_first : hash_keys(of_first, source_.moment);
+  }
+
+  Key child_name(const InnerCell& inner, std::size_t index) const {
+    return hash_keys(name_, inner.child_keys[index], Key(inner.level));
+  }
+
+  // A cell that was a surface when it was evicted; nullptr if it has to be expanded.
+  std::unique_ptr<CacheEntry> kept_surface(Key name, Key key) const {
+    if (!store_) return nullptr;
+    try {
+      std::optional<LeafStore::Leaf> leaf = store_->find(name);
+      if (!leaf) return nullptr;
+      auto entry = surface_entry(std::move(leaf->patch), key);
+      entry->label.cell = leaf->label.cell;
+      entry->label.cell_class = leaf->label.cell_class;
+      return entry;
+    } catch (const std::exception&) {
+      return nullptr;
+    }
+  }
+
+  std::unique_ptr<CellEntry> surface_entry(std::unique_ptr<SurfacePatch> patch, Key key) const {
+    auto entry = std::make_unique<CellEntry>(std::move(patch), key);
+    entry->set_store(store_);
+    return entry;
+  }
+
+  std::unique_ptr<CacheEntry> make_root_entry() const {
+    if (!source_.part->model) return placed(source_.part->members);
+    const Key key = hash_keys(hash_text(model().name()), source_.individual);
+    if (auto entry = kept_surface(name_, key)) return entry;
+    return make_entry([this] { return root_cell(model(), ground_footprint(), source_.individual); }, 0, bounds(), key);
   }
 
   // Never throws: a cell that cannot be expanded becomes its box, once, counted and reported.
@@ -248,7 +291,7 @@ class LazyRoot final : public ModelRoot {
       check_bounds(bounds, entry->real_bounds());
       return entry;
     }
-    auto entry = std::make_unique<CellEntry>(std::make_unique<SurfacePatch>(std::move(*expansion.leaf)), key);
+    auto entry = surface_entry(std::make_unique<SurfacePatch>(std::move(*expansion.leaf)), key);
     check_bounds(bounds, entry->real_bounds());
     return entry;
   }
@@ -270,8 +313,9 @@ class LazyRoot final : public ModelRoot {
   Roots& roots_;
   GeometryCache& cache_;
   ExpansionCounts& counts_;
-  const Bounds3f reach_;  // of what stands on it; empty: it is shown itself
-  const Key name_;        // of its root cell, for rays that wait
+  const std::shared_ptr<LeafStore> store_;  // null: none
+  const Bounds3f reach_;                    // of what stands on it; empty: it is shown itself
+  const Key name_;                          // of its root cell, for rays that wait
   mutable CacheSlot slot_;
 };
 
@@ -338,8 +382,8 @@ CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner)
 }  // namespace
 
 std::unique_ptr<ModelRoot> make_lazy_root(RootSource source, Roots& roots, GeometryCache& cache,
-                                          ExpansionCounts& counts) {
-  return std::make_unique<LazyRoot>(std::move(source), roots, cache, counts);
+                                          ExpansionCounts& counts, ScratchFile* scratch) {
+  return std::make_unique<LazyRoot>(std::move(source), roots, cache, counts, scratch);
 }
 
 namespace {

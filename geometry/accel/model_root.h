@@ -101,9 +101,11 @@ struct RootSource {
 };
 
 // Cells behind a cache; what stands in them is placed by `roots`. All must outlive the root.
+// `scratch`: for surfaces that are evicted; null: they are expanded again.
 class Roots;
+class ScratchFile;
 std::unique_ptr<ModelRoot> make_lazy_root(RootSource source, Roots& roots, GeometryCache& cache,
-                                          ExpansionCounts& counts);
+                                          ExpansionCounts& counts, ScratchFile* scratch);
 // What a ray holds at once at most: the bytes of a chain of cells from a root to a surface, through the largest child
 // of each. Of the longest below the roots given. Expands such a chain for each part.
 std::size_t largest_chain_bytes(const std::vector<const ModelRoot*>& roots);

@@ -18,7 +18,7 @@ std::size_t MissingCells::first(float t, Names& names) const {
   std::size_t count = 0;
   for (std::size_t cell = 0; cell < end(); cell = next(cell)) {
     const float e = entry(cell);
-    if (e == std::numeric_limits<float>::infinity() || !(e <= t)) continue;
+    if (is_removed(cell) || !(e <= t)) continue;
     const Key n = name(cell);
     std::size_t at = count;
     if (const auto same = std::find(names.begin(), names.begin() + std::ptrdiff_t(count), n) - names.begin();
@@ -36,23 +36,31 @@ std::size_t MissingCells::first(float t, Names& names) const {
   return count;
 }
 
-void MissingCells::compact() {
-  std::size_t kept = 0;
+MissingCells::Kept MissingCells::kept(float t) const {
+  const auto is_left = [&](std::size_t cell) { return entry(cell) <= t && !is_removed(cell); };
+  std::size_t size = 0;
+  for (std::size_t cell = 0; cell < end(); cell = next(cell)) size += is_left(cell) ? next(cell) - cell : 0;
+  Kept result{std::make_unique_for_overwrite<std::uint32_t[]>(size), std::uint32_t(size)};
+  std::uint32_t* to = result.words.get();
+  for (std::size_t cell = 0; cell < end(); cell = next(cell))
+    if (is_left(cell)) to = std::copy(words_.data() + cell, words_.data() + next(cell), to);
+  return result;
+}
+
+void MissingCells::restore(const Kept& kept) {
+  words_.assign(kept.words.get(), kept.words.get() + kept.size);
   count_ = 0;
-  for (std::size_t cell = 0, after = 0; cell < end(); cell = after) {
-    after = next(cell);
-    if (entry(cell) == std::numeric_limits<float>::infinity()) continue;
-    std::copy(words_.begin() + std::ptrdiff_t(cell), words_.begin() + std::ptrdiff_t(after),
-              words_.begin() + std::ptrdiff_t(kept));
-    kept += after - cell;
-    ++count_;
-  }
-  words_.resize(kept);
-  if (words_.capacity() > 2 * kept + 64) words_.shrink_to_fit();
+  for (std::size_t cell = 0; cell < end(); cell = next(cell)) ++count_;
 }
 
 void MissingCells::remove(std::size_t cell) {
   words_[cell] = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::infinity());
+}
+
+std::size_t RaySearch::waits_for(MissingCells::Names& names) const {
+  MissingCells cells;
+  cells.restore(missing_);
+  return cells.first(nearest_ ? nearest_->t : std::numeric_limits<float>::infinity(), names);
 }
 
 }  // namespace meristem

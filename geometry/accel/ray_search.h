@@ -21,6 +21,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -41,17 +42,22 @@ class MissingCells {
   // All that have been noted, the removed ones among them: for (c = 0; c < end(); c = next(c)).
   std::size_t end() const { return words_.size(); }
   std::size_t next(std::size_t cell) const { return cell + header + words_[cell + 3]; }
-  float entry(std::size_t cell) const { return std::bit_cast<float>(words_[cell]); }  // infinity: removed
+  float entry(std::size_t cell) const { return std::bit_cast<float>(words_[cell]); }
+  bool is_removed(std::size_t cell) const { return entry(cell) == std::numeric_limits<float>::infinity(); }
   // The names of those that the ray enters first, at or before t; each once.
   using Names = std::array<Key, 6>;
   std::size_t first(float t, Names& names) const;
-  // Forgets the removed ones, so that they take no memory while the ray waits.
-  void compact();
   Key name(std::size_t cell) const { return words_[cell + 1] | Key(words_[cell + 2]) << 32; }
   Way way(std::size_t cell) const { return Way(words_).subspan(cell + header, words_[cell + 3]); }
   void remove(std::size_t cell);
-  void clear() { words_.clear(), count_ = 0; }
-  std::size_t bytes() const { return words_.capacity() * sizeof(std::uint32_t); }
+
+  // While the ray waits, in no more memory than they need: those that it enters at or before t.
+  struct Kept {
+    std::unique_ptr<std::uint32_t[]> words;
+    std::uint32_t size = 0;
+  };
+  Kept kept(float t) const;
+  void restore(const Kept& kept);
 
  private:
   // One after another: the bits of the entry, the name in two words, the length of the way, the way.
@@ -64,21 +70,19 @@ class RaySearch {
  public:
   enum class End : std::uint8_t { Missed, Met, Waits };
 
-  // The cells that the search waits for, by names that all rays share, the nearest first.
-  std::span<const Key> waits_for() const { return std::span(names_).first(name_count_); }
+  // The cells that the search waits for, by names that all rays share, the nearest first; how many.
+  std::size_t waits_for(MissingCells::Names& names) const;
   // Which of them goes on is to expand; else it is the nearest.
   void wake(Key name) { woken_for_ = name; }
   // Beside the object itself.
-  std::size_t bytes() const { return missing_.bytes() + (kept_ ? sizeof(*kept_) : 0); }
+  std::size_t bytes() const { return missing_.size * sizeof(std::uint32_t) + (nearest_ ? sizeof(*nearest_) : 0); }
 
  private:
   friend class SearchDriver;  // of the world
-  MissingCells missing_;
-  std::unique_ptr<SurfaceHit> kept_;  // the nearest hit so far, if has_hit_
+  MissingCells::Kept missing_;
+  std::unique_ptr<SurfaceHit> nearest_;  // so far, if there is one
   Key hit_key_ = 0, woken_for_ = 0;
-  MissingCells::Names names_{};
-  std::uint8_t name_count_ = 0;
-  bool waits_ = false, has_hit_ = false;
+  bool waits_ = false;
 };
 
 }  // namespace meristem

@@ -20,7 +20,7 @@ void find_bounds(RootSource& source) {
 std::unique_ptr<ModelRoot> Roots::make(RootSource source) {
   const bool is_surface = source.part->model && !source.part->placer;
   if (mode_ == ExpandMode::Flat && is_surface) return make_flat_root(source, counts_, threads_);
-  return make_lazy_root(std::move(source), *this, cache_, counts_);
+  return make_lazy_root(std::move(source), *this, cache_, counts_, scratch_);
 }
 
 const ModelRoot& Roots::shared(RootSource source) {

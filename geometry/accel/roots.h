@@ -13,9 +13,9 @@ namespace meristem {
 
 class Roots {
  public:
-  // Cache and counts must outlive it.
-  Roots(ExpandMode mode, int threads, GeometryCache& cache, ExpansionCounts& counts)
-      : mode_(mode), threads_(threads), cache_(cache), counts_(counts) {}
+  // Cache, counts and scratch file must outlive it.
+  Roots(ExpandMode mode, int threads, GeometryCache& cache, ExpansionCounts& counts, ScratchFile* scratch = nullptr)
+      : mode_(mode), threads_(threads), cache_(cache), counts_(counts), scratch_(scratch) {}
 
   // Places parts in a frame whose footprint is given (null: everything in full). `parent`: the cache entry that will
   // own them. Any thread; expands nothing but in flat mode.
@@ -40,6 +40,7 @@ class Roots {
   const int threads_;
   GeometryCache& cache_;
   ExpansionCounts& counts_;
+  ScratchFile* const scratch_;
   std::mutex mutex_;
   // By part, individual and, where the footprint is constant, its size.
   std::map<std::tuple<const Part*, Key, double>, std::unique_ptr<ModelRoot>> shared_;

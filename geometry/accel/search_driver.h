@@ -12,16 +12,16 @@ class SearchDriver {
   SearchDriver(const SearchDriver&) = delete;
   SearchDriver& operator=(const SearchDriver&) = delete;
 
-  RaySearch::End go_on(const RayRoute& route);
+  RaySearch::End go_on(const RayRoute& route, const GeometryCache& cache);
   // The search has no end: it would have to wait for too many cells.
-  bool overflows() const { return search_.missing_.overflows(); }
+  bool overflows() const { return missing_.overflows(); }
 
   // Before it waits; `nearer`: a hit that this call found, or nullptr.
   void keep(const SurfaceHit* nearer);
   // The nearest hit, if it is none of this call.
-  const SurfaceHit& kept() const { return *search_.kept_; }
-  // Makes the search as new, but for memory.
-  void end();
+  const SurfaceHit& kept() const { return *search_.nearest_; }
+  // Makes the search as new.
+  void end() { search_ = {}; }
 
  private:
   bool has_ended() const { return state_.any && ray_.ray.tfar < 0; }
@@ -30,6 +30,7 @@ class SearchDriver {
   void visit(const RayRoute& route, IsAsked is_asked);
 
   RaySearch& search_;
+  MissingCells& missing_;
   RayContext& context_;
   RTCRayHit& ray_;
   RayContext::Search state_;

@@ -37,6 +37,9 @@ Tessellation with_room_behind(Tessellation t) {
 SurfacePatch::SurfacePatch(Tessellation tessellation, bool parallel)
     : tessellation_(with_room_behind(std::move(tessellation))), tree_(tessellation_, parallel) {}
 
+SurfacePatch::SurfacePatch(Tessellation tessellation, std::vector<SurfaceTree::Node> nodes)
+    : tessellation_(with_room_behind(std::move(tessellation))), tree_(tessellation_, std::move(nodes)) {}
+
 TriangleSource SurfacePatch::source_of(const SurfaceTree::Triangle& triangle) const {
   if (triangle.index != SurfaceTree::none) {
     const Tessellation::TriangleSource& source = tessellation_.triangle_sources[triangle.index];

@@ -21,6 +21,8 @@ SurfaceHit surface_at(const Tessellation& tessellation, const std::array<std::ui
 class SurfacePatch {
  public:
   explicit SurfacePatch(Tessellation tessellation, bool parallel = false);
+  // The same from the tessellation and the nodes of the tree of another.
+  SurfacePatch(Tessellation tessellation, std::vector<SurfaceTree::Node> nodes);
   SurfacePatch(const SurfacePatch&) = delete;  // the tree holds on to the triangles
   SurfacePatch& operator=(const SurfacePatch&) = delete;
 
@@ -33,6 +35,7 @@ class SurfacePatch {
   }
 
   const Tessellation& tessellation() const { return tessellation_; }
+  const SurfaceTree& tree() const { return tree_; }
   std::size_t bytes() const { return sizeof(*this) + tessellation_.bytes() + tree_.bytes(); }
 
   SurfaceHit surface_at(const TreeHit& hit) const;

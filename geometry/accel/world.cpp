@@ -1,6 +1,7 @@
 #include "geometry/accel/world.h"
 
 #include "geometry/accel/class_worlds.h"
+#include "geometry/accel/leaf_store.h"
 #include "geometry/accel/search_driver.h"
 #include "geometry/base/parallel.h"
 #include "geometry/mesh/limit.h"
@@ -18,20 +19,24 @@ constexpr std::size_t unlimited_bytes = std::numeric_limits<std::size_t>::max();
 // Of the tables that all cells share.
 std::size_t shared_plan_bytes() { return refine_plan_bytes() + limit_plan_bytes(); }
 
-// Of a small budget, the most that plans may take, half for each table.
-constexpr double plan_share = 0.25;
+// Of a small budget, the most that plans may take. Those of limits are small and few.
+constexpr double refine_plan_share = 0.125, limit_plan_share = 0.05, plan_share = refine_plan_share + limit_plan_share;
 
 void limit_plans(const WorldOptions& options) {
-  const std::size_t each =
-      options.mode == ExpandMode::Lazy ? std::size_t(double(options.budget_bytes) * plan_share / 2) : unlimited_bytes;
-  set_refine_plan_capacity(each);
-  set_limit_plan_capacity(each);
+  const double budget = options.mode == ExpandMode::Lazy ? double(options.budget_bytes) : double(unlimited_bytes);
+  set_refine_plan_capacity(std::size_t(budget * refine_plan_share));
+  set_limit_plan_capacity(std::size_t(budget * limit_plan_share));
 }
 
 std::unique_ptr<ExpansionRecorder> make_recorder(const WorldOptions& options) {
   if (!options.record || options.mode == ExpandMode::Flat) return nullptr;
   const std::size_t budget = options.mode == ExpandMode::Lazy ? options.budget_bytes : 0;
   return std::make_unique<ExpansionRecorder>(budget, shared_plan_bytes);
+}
+
+std::unique_ptr<ScratchFile> make_scratch(const WorldOptions& options) {
+  if (options.scratch_directory.empty() || options.mode != ExpandMode::Lazy) return nullptr;
+  return std::make_unique<ScratchFile>(options.scratch_directory);
 }
 
 // While one lives, the ray counts the cells it meets, if there is a recorder and the ray is in its sample.
@@ -65,10 +70,11 @@ class World final : public Intersector {
  public:
   World(std::vector<Placement> objects, const WorldOptions& options)
       : recorder_(make_recorder(options)),
+        scratch_(make_scratch(options)),
         cache_(options.mode == ExpandMode::Lazy ? options.budget_bytes : unlimited_bytes, recorder_.get(),
-               [this] { return shared_plan_bytes() + roots_.bytes() + (worlds_ ? worlds_->bytes() : 0); }),
+               [this] { return bytes_beside_cells(); }),
         counts_(recorder_.get()),
-        roots_(options.mode, options.threads, cache_, counts_) {
+        roots_(options.mode, options.threads, cache_, counts_, scratch_.get()) {
     limit_plans(options);
     run_isolated([&] { worlds_ = std::make_unique<ClassWorlds>(objects, options, roots_); });
     if (options.mode != ExpandMode::Lazy) expand_everything(worlds_->roots(), options.threads);
@@ -119,7 +125,7 @@ class World final : public Intersector {
     RaySearch::End end = RaySearch::End::Missed;
     {
       const GeometryCache::Visit visit(cache_);
-      end = driver.go_on(worlds_->route(ray));
+      end = driver.go_on(worlds_->route(ray), cache_);
       if (context.patch && !driver.overflows()) hit = surface_hit(context, query);
     }
     cache_.count_acquired(context.acquired);
@@ -155,6 +161,8 @@ class World final : public Intersector {
     s.plan_bytes = shared_plan_bytes();
     s.total_bytes_peak = c.total_bytes_peak;
     s.invalid_rays = invalid_rays_.load();
+    s.read_back = scratch_ ? scratch_->read_back() : 0;
+    s.scratch_bytes = scratch_ ? scratch_->bytes() : 0;
     return s;
   }
 
@@ -210,7 +218,13 @@ class World final : public Intersector {
     return true;
   }
 
+  std::size_t bytes_beside_cells() const {
+    return shared_plan_bytes() + roots_.bytes() + (worlds_ ? worlds_->bytes() : 0) +
+           (scratch_ ? scratch_->index_bytes() : 0);
+  }
+
   const std::unique_ptr<ExpansionRecorder> recorder_;  // null: nothing is recorded
+  const std::unique_ptr<ScratchFile> scratch_;         // null: none
   mutable GeometryCache cache_;
   ExpansionCounts counts_;
   mutable std::atomic<std::uint64_t> invalid_rays_{0};

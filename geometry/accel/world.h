@@ -30,6 +30,8 @@ struct WorldOptions {
   // What rays of other classes than the camera's want to see; null: the same. Rays of classes with one footprint object
   // see one world.
   std::shared_ptr<const Footprint> diffuse_footprint = nullptr, shadow_footprint = nullptr;
+  // Where a file may keep surfaces that the budget has no room for (Lazy); empty: nowhere, they are expanded again.
+  std::string scratch_directory = {};
 };
 
 // The least budget that can hold what one ray of each thread needs at once: a chain of cells from the root to a
@@ -38,7 +40,8 @@ struct WorldOptions {
 // every step of every ray.
 std::size_t least_budget(const std::vector<Placement>& objects, const WorldOptions& options);
 
-// Makes the world; Eager and Flat expand here. Throws std::runtime_error if Embree fails.
+// Makes the world; Eager and Flat expand here. Throws std::runtime_error if Embree fails or no scratch file can be
+// made.
 std::unique_ptr<Intersector> make_world(std::vector<Placement> objects, const WorldOptions& options);
 
 }  // namespace meristem

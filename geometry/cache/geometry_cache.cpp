@@ -195,6 +195,7 @@ void GeometryCache::add_resident(CacheSlot& slot, CacheEntry* parent, CacheEntry
   if (parent) ++parent->children_;
   entry->clock_index_ = clock_.size();
   clock_.push_back(entry);
+  names_[entry->name % name_buckets].fetch_add(1, std::memory_order_relaxed);
   statistics_.resident_bytes += entry->bytes;
 }
 
@@ -234,6 +235,7 @@ void GeometryCache::evict(CacheEntry& entry) {
   statistics_.resident_bytes -= entry.bytes;
   ++statistics_.evictions;
   if (entry.parent_) --entry.parent_->children_;
+  names_[entry.name % name_buckets].fetch_sub(1, std::memory_order_relaxed);
   entry.slot_->word_.store(CacheSlot::empty);
   add_to_limbo(entry);
 }

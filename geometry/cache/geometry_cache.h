@@ -65,8 +65,11 @@ struct CellLabel {
 class CacheEntry {
  public:
   virtual ~CacheEntry() = default;
+  // Before it is destroyed because it was evicted: by a thread that holds no lock and is not inside.
+  virtual void forgotten() {}
   // All memory of the entry, hidden costs included. Constant after construction.
   std::size_t bytes = 0;
+  Key name = 0;  // for may_hold()
   CellLabel label;
 
  private:
@@ -133,6 +136,9 @@ class GeometryCache {
     return entry;
   }
 
+  // Whether an entry of that name may be resident; mostly not, if not. One load.
+  bool may_hold(Key name) const { return names_[name % name_buckets].load(std::memory_order_relaxed) > 0; }
+
   // While one lives, its thread is inside and may use entries. Not nested.
   class Visit {
    public:
@@ -162,7 +168,13 @@ class GeometryCache {
 
  private:
   using Expand = std::function<std::unique_ptr<CacheEntry>()>;
-  using Garbage = std::vector<std::unique_ptr<CacheEntry>>;  // to be destroyed when mutex_ is not held
+  struct Forget {
+    void operator()(CacheEntry* entry) const {
+      entry->forgotten();
+      delete entry;
+    }
+  };
+  using Garbage = std::vector<std::unique_ptr<CacheEntry, Forget>>;  // to be destroyed when mutex_ is not held
   class Absence;
   void enter(std::atomic<std::uint64_t>& mine) {
     mine.store(epoch_.load());  // sequentially consistent, as the loads of slots and what evict() does: it sees this
@@ -197,6 +209,9 @@ class GeometryCache {
   std::array<ThreadEpoch, max_threads> threads_;
   std::atomic<std::uint64_t> epoch_{1};
   std::atomic<std::uint64_t> waits_{0};
+  static constexpr std::size_t name_buckets = 1 << 15;
+  std::vector<std::atomic<std::uint32_t>> names_ =  // of resident entries, by bucket; written under mutex_
+      std::vector<std::atomic<std::uint32_t>>(name_buckets);
 
   mutable std::mutex mutex_;
   std::vector<CacheEntry*> clock_;  // resident entries; owned

@@ -39,6 +39,9 @@ SurfaceTree::SurfaceTree(Tessellation& tessellation, bool parallel) {
   triangles_ = tessellation.triangles.data();
 }
 
+SurfaceTree::SurfaceTree(const Tessellation& tessellation, std::vector<Node> nodes)
+    : nodes_(std::move(nodes)), triangles_(tessellation.triangles.data()) {}
+
 bool SurfaceTree::intersect(const Vec3f* positions, const TreeRay& ray, float t_min, TreeHit& hit) const {
   if (nodes_.empty()) return false;
   return best_tree_kernels().intersect({nodes_.data(), triangles_, positions}, ray, t_min, hit);

@@ -44,6 +44,11 @@ class SurfaceTree {
   // `parallel`: large ones are built by parallel_for().
   explicit SurfaceTree(Tessellation& tessellation, bool parallel = false);
 
+  // The same from its nodes, over the tessellation as it was sorted then.
+  struct Node;
+  SurfaceTree(const Tessellation& tessellation, std::vector<Node> nodes);
+  const std::vector<Node>& nodes() const { return nodes_; }
+
   // Looks for a triangle in (t_min, hit.t]; returns whether there is one. `positions` are those of the tessellation,
   // with four bytes to read behind the last.
   bool intersect(const Vec3f* positions, const TreeRay& ray, float t_min, TreeHit& hit) const;

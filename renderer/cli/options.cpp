@@ -147,6 +147,8 @@ void add_scene_options(CLI::App& app, RenderOptions& o) {
   add(add_parsed(app, "--budget", "", "memory of the geometry cache: 512M, 2G",
                  [&o](const std::string& t) { o.load.budget_bytes = parse_memory(t); }),
       "BYTES");
+  add(app.add_option("--scratch", o.load.scratch_directory, "keep surfaces there that the budget has no room for"),
+      "DIRECTORY");
   static const std::map<std::string, RayOrder> orders{
       {"depth-first", RayOrder::DepthFirst}, {"queued", RayOrder::Queued}, {"auto", RayOrder::Auto}};
   add(app.add_option("--ray-order", o.load.ray_order, "depth-first, queued or auto: do rays wait for cells")

@@ -22,8 +22,9 @@
 // Cones"): as wide as a pixel, spreading as it goes on; a direction that is picked at random with a density by solid
 // angle stands for its share of the directions, so the cone widens by that. Curved mirrors are taken for flat ones.
 //
-// A path is a state that asks for one ray at a time and goes on when it is told what the ray met; so it can be followed
-// at once (radiance()) or wait among many others (PathStepper). What becomes of it does not depend on which.
+// A path is a state that asks at each vertex for the ray to a light and the one that goes on, and is told what they
+// met; so it can be followed at once (radiance()) or wait among many others (PathStepper). What becomes of it does not
+// depend on which.
 //
 // What the last ray of a path meets is not asked where it cannot matter: among opaque surfaces that do not glow it only
 // has to learn whether it gets out, and if no lamp stands in its way and there is no environment it is not traced at
@@ -49,11 +50,10 @@ constexpr int max_passes = 256;
 
 // All there is of a path between two of its rays.
 struct PathState {
-  enum class Asks : std::uint8_t { Nothing, Surface, Light };
-  Asks asks = Asks::Surface;
-  bool goes_on = false;  // along `ray`, once the light has answered
-  bool any = false;      // of `ray` it is only asked whether it meets something
-  Ray ray;               // to the next surface, or to `collision` in a medium, where it ends
+  bool asks_surface = true;  // along `ray`; answered after
+  bool asks_light = false;   // along `shadow`
+  bool any = false;          // of `ray` it is only asked whether it meets something
+  Ray ray;                   // to the next surface, or to `collision` in a medium, where it ends
   MediumCollision collision;
   Receiver last_vertex;  // where the ray was scattered, and how:
   float last_pdf = 0;    // 0: it comes from the camera
@@ -100,8 +100,8 @@ class Path : public Integrator, public PathStepper {
   const PathStepper* stepper() const override { return this; }
   std::size_t state_bytes() const override { return sizeof(PathState); }
   void begin(void* state, const Ray& ray, const PathTools& tools) const override;
-  RayRequest request(const void* state) const override;
-  void answer(void* state, bool met, const SurfaceHit& hit, const PathTools& tools) const override;
+  RayRequest request(const void* state, int ray) const override;
+  void answer(void* state, int ray, bool met, const SurfaceHit& hit, const PathTools& tools) const override;
   Spectrum result(const void* state) const override { return static_cast<const PathState*>(state)->sum; }
 
   const LightChoice& choice() const { return *choice_; }
@@ -146,19 +146,17 @@ class Walk {
   }
 
   // `point` holds what was met, and of all else it needs nothing.
-  void answer(bool met, ShadingPoint& point) {
-    if (s_.asks == PathState::Asks::Surface)
-      meet_surface(met, point);
-    else
+  void answer(int ray, bool met, ShadingPoint& point) {
+    if (ray == 0)
       meet_towards_light(met, point);
+    else
+      meet_surface(met, point);
   }
 
  private:
-  void ask(PathState::Asks what) { s_.asks = what; }
-
-  // Asks for the next ray at the surface that was met, if there is to be one.
+  // Asks for the next rays at the surface that was met, if there are to be some.
   void meet_surface(bool met, ShadingPoint& point) {
-    ask(PathState::Asks::Nothing);
+    s_.asks_surface = false;
     if (met && s_.any) return;
     const SurfaceHit& hit = point.hit;
     add_crossed_lights(met ? hit.t : s_.ray.t_max);
@@ -182,18 +180,10 @@ class Walk {
     if (s_.depth == 0) report_first(first_, hit, bsdf);
     if (bsdf.emission != Spectrum{}) s_.sum += s_.throughput * bsdf.emission * weight_of_surface(hit);
     if (is_last) return;
-    const bool asks_light = choose_light(
+    s_.asks_light = choose_light(
         receiver(point, bsdf), [&](Vec3f wi) { return bsdf.scattered(point.wo, wi); },
         [&](Vec3f wi) { return ray_from(hit, wi, s_.ray, RayClass::Shadow); });
-    s_.goes_on = scatter(point, bsdf);
-    ask_light_first(asks_light);
-  }
-
-  void ask_light_first(bool asks_light) {
-    if (asks_light)
-      ask(PathState::Asks::Light);
-    else
-      go_on();
+    s_.asks_surface = scatter(point, bsdf);
   }
 
   // The next ray to a surface, as far as the media let it go.
@@ -213,15 +203,14 @@ class Walk {
     s_.throughput *= c.albedo;
     if (s_.depth >= scene_.settings.max_depth || s_.throughput == Spectrum{}) return;
     const Vec3f place = s_.ray.origin + s_.ray.direction * c.t, before = s_.ray.direction;
-    const bool asks_light = choose_light(
+    s_.asks_light = choose_light(
         {place, {}},
         [&](Vec3f wi) {
           const float p = phase(c.anisotropy, dot(before, wi));
           return Bsdf::Scattered{Spectrum(p), p};
         },
         [&](Vec3f wi) { return free_ray(place, wi, RayClass::Shadow); });
-    s_.goes_on = scatter_in_medium(place);
-    ask_light_first(asks_light);
+    s_.asks_surface = scatter_in_medium(place);
   }
 
   Ray free_ray(Vec3f origin, Vec3f direction, RayClass ray_class) const {
@@ -233,8 +222,6 @@ class Walk {
     return ray;
   }
 
-  void go_on() { ask(s_.goes_on ? PathState::Asks::Surface : PathState::Asks::Nothing); }
-
   // Beer's law.
   static Spectrum passed(Spectrum absorption, float distance) {
     const Spectrum d = absorption * -distance;
@@ -245,7 +232,7 @@ class Walk {
     if (++s_.passes > max_passes) return;
     s_.travelled += hit.t;
     fly(ray_from(hit, s_.ray.direction, s_.ray, s_.ray.ray_class));
-    ask(PathState::Asks::Surface);
+    s_.asks_surface = true;
   }
 
   // The weight of light that a ray met by chance and that choose_light() might have found as well.
@@ -365,7 +352,7 @@ class Walk {
 
   void add_light(float visible) {
     s_.sum += s_.light * (s_.light_scale * visible);
-    go_on();
+    s_.asks_light = false;
   }
 
   bool scatter(const ShadingPoint& point, const Bsdf& bsdf) {
@@ -442,11 +429,10 @@ class Walk {
   PathState& s_;
 };
 
-RayRequest request_of(const PathState& state, bool transparency) {
-  if (state.asks == PathState::Asks::Surface)
-    return {state.any ? RayRequest::Kind::Any : RayRequest::Kind::Nearest, state.ray};
-  if (state.asks == PathState::Asks::Nothing) return {RayRequest::Kind::None, state.ray};
-  return {transparency ? RayRequest::Kind::Nearest : RayRequest::Kind::Any, state.shadow};
+RayRequest request_of(const PathState& s, int ray, bool transparency) {
+  using enum RayRequest::Kind;
+  if (ray == 1) return {!s.asks_surface ? None : s.any ? Any : Nearest, s.ray};
+  return {!s.asks_light ? None : transparency ? Nearest : Any, s.shadow};
 }
 
 Spectrum Path::radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts,
@@ -456,11 +442,12 @@ Spectrum Path::radiance(const Ray& ray, const Scene& scene, Sampler& sampler, Ra
   Walk walk(*this, {scene, sampler, counts, first}, state);
   walk.begin(ray);
   ShadingPoint point;
-  while (state.asks != PathState::Asks::Nothing) {
-    const RayRequest request = request_of(state, transparency_);
+  while (state.asks_light || state.asks_surface) {
+    const int next = state.asks_light ? 0 : 1;
+    const RayRequest request = request_of(state, next, transparency_);
     const bool met =
         request.kind == RayRequest::Kind::Any ? world.occluded(request.ray) : world.intersect(request.ray, point.hit);
-    walk.answer(met, point);
+    walk.answer(next, met, point);
   }
   return state.sum;
 }
@@ -469,13 +456,13 @@ void Path::begin(void* state, const Ray& ray, const PathTools& tools) const {
   Walk(*this, tools, *new (state) PathState).begin(ray);
 }
 
-RayRequest Path::request(const void* state) const {
-  return request_of(*static_cast<const PathState*>(state), transparency_);
+RayRequest Path::request(const void* state, int ray) const {
+  return request_of(*static_cast<const PathState*>(state), ray, transparency_);
 }
 
-void Path::answer(void* state, bool met, const SurfaceHit& hit, const PathTools& tools) const {
+void Path::answer(void* state, int ray, bool met, const SurfaceHit& hit, const PathTools& tools) const {
   ShadingPoint point{hit, {}};
-  Walk(*this, tools, *static_cast<PathState*>(state)).answer(met, point);
+  Walk(*this, tools, *static_cast<PathState*>(state)).answer(ray, met, point);
 }
 
 }  // namespace

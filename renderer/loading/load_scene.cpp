@@ -148,6 +148,7 @@ class SceneBuilder {
     WorldOptions world_options{options_.expand, scene_->settings.budget_bytes, threads, camera_footprint(*scene_),
                                options_.record};
     add_class_footprints(*scene_, world_options);
+    world_options.scratch_directory = options_.scratch_directory;
     check_budget(world, world_options, where);
     scene_->intersector = make_world(std::move(world), world_options);
   }

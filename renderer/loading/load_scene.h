@@ -28,6 +28,7 @@ struct LoadOptions {
   std::optional<std::uint64_t> seed;
   std::optional<double> detail;   // pixels; 0: everything in full
   std::optional<double> shutter;  // frames that it is open
+  std::string scratch_directory;  // for surfaces that are evicted; empty: none
   bool record = false;            // what expansion does, for Intersector::profile()
   bool check_only = false;        // the scene will not be rendered: Scene::prepare() is left out
   bool keep_objects = false;      // LoadedScene::objects in place of a world to trace rays into; with check_only

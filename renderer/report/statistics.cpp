@@ -56,6 +56,8 @@ Value expansion_value(const ExpansionStatistics& e) {
   for (const std::string& defect : e.defects) defects.push_back(json::text(defect));
   return json::object({{"cells_expanded", json::count(e.cells_expanded)},
                        {"reexpanded", json::count(e.reexpanded)},
+                       {"read_back", json::count(e.read_back)},
+                       {"scratch_bytes", json::count(e.scratch_bytes)},
                        {"evicted", json::count(e.evicted)},
                        {"failed", json::count(e.failed)},
                        {"faces", json::count(e.faces)},
@@ -150,6 +152,8 @@ std::string details(const RenderStatistics& s) {
       "cells: expanded {} (again {}), evicted {}, failed {}; at most {} resident, {} leaving, {} in all\n",
       format_count(e.cells_expanded), format_count(e.reexpanded), format_count(e.evicted), format_count(e.failed),
       format_bytes(e.resident_bytes_peak), format_bytes(e.limbo_bytes_peak), format_bytes(e.total_bytes_peak));
+  if (e.scratch_bytes > 0)
+    text += fmt::format("scratch file: {}, read back {}\n", format_bytes(e.scratch_bytes), format_count(e.read_back));
   if (e.plan_bytes > 0) text += fmt::format("shared refinement plans: {}\n", format_bytes(e.plan_bytes));
   for (const StepStatistics& step : e.by_step)
     text += fmt::format("  {:<16} {:<28} {:>12} cells {:>14} faces {:>9.3f} s\n", step.model, step.step,

@@ -205,28 +205,29 @@ struct PathTools {
   FirstSurface* first;  // as for Integrator::radiance()
 };
 
-// The ray that a path waits for.
+// A ray that a path waits for.
 struct RayRequest {
-  enum class Kind : std::uint8_t {
-    None,
-    Nearest,
-    Any
-  };  // the nearest hit, or whether there is one; None: it has ended
+  enum class Kind : std::uint8_t { None, Nearest, Any };  // the nearest hit, or whether there is one; None: no ray
   Kind kind;
   const Ray& ray;  // part of the path's state
 };
 
-// The paths of an integrator, stopped at every ray that they ask for: so that many can be alive at once, and their rays
-// be traced in any order. The state of a path is plain memory, aligned like a pointer, that may be copied. A path draws
-// the same random numbers, and ends with the same bits, as one that Integrator::radiance() follows.
+// The paths of an integrator, stopped at every vertex: so that many can be alive at once, and their rays be traced in
+// any order. The state of a path is plain memory, aligned like a pointer, that may be copied. A path draws the same
+// random numbers, and ends with the same bits, as one that Integrator::radiance() follows.
 class PathStepper {
  public:
+  // A vertex asks for the ray to a light (0) and the one that goes on (1) at once.
+  static constexpr int most_rays = 2;
   virtual ~PathStepper() = default;
   virtual std::size_t state_bytes() const = 0;
   virtual void begin(void* state, const Ray& camera_ray, const PathTools& tools) const = 0;
-  virtual RayRequest request(const void* state) const = 0;
-  // Hands over what the request met and goes on to the next. `hit` is that of a request for the nearest.
-  virtual void answer(void* state, bool met, const SurfaceHit& hit, const PathTools& tools) const = 0;
+  // A path that asks for neither has ended.
+  virtual RayRequest request(const void* state, int ray) const = 0;
+  // Hands over what the request met. They may be traced in any order, but the first is answered before the second; the
+  // answer may bring a next request for the same ray, that to the second the next vertex. `hit` is that of a request
+  // for the nearest.
+  virtual void answer(void* state, int ray, bool met, const SurfaceHit& hit, const PathTools& tools) const = 0;
   virtual Spectrum result(const void* state) const = 0;  // the radiance, of a path that has ended
 };
 

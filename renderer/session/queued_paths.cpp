@@ -5,8 +5,10 @@
 #include "renderer/film/film.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstddef>
+#include <utility>
 
 namespace meristem {
 
@@ -24,11 +26,28 @@ using Clock = std::chrono::steady_clock;
 struct QueuedPaths::Slot {
   PixelSample sample;
   std::uint32_t dimension = 0;  // of random numbers
-  int weight = 0;
+  std::uint32_t search_bytes = 0;
+  std::int8_t weight = 0;
   bool is_begun = false;
-  std::size_t search_bytes = 0;
-  RaySearch search;
+  bool has_early = false, early_met = false;
+  std::unique_ptr<SurfaceHit> early;  // an answer that came before it may be given; if it met something
+  std::array<RaySearch, PathStepper::most_rays> searches;
+
+  // The cells that it waits for.
+  std::span<const Key> names(std::array<Key, WaitingQueues::most_names>& names) const;
 };
+
+std::span<const Key> QueuedPaths::Slot::names(std::array<Key, WaitingQueues::most_names>& names) const {
+  auto end = names.begin();
+  if (!is_begun) *end++ = 0;
+  for (const RaySearch& search : searches) {
+    MissingCells::Names some;
+    const std::size_t count = search.waits_for(some);
+    for (const Key name : std::span(some).first(count))
+      if (std::find(names.begin(), end, name) == end) *end++ = name;
+  }
+  return {names.begin(), end};
+}
 
 // What a path has taken, over all its turns.
 struct QueuedPaths::Cost {
@@ -147,11 +166,8 @@ void QueuedPaths::hand_back(Worker& worker) {
   {
     const std::lock_guard lock(mutex_);
     worker.waiting.insert(worker.waiting.end(), worker.claimed.begin(), worker.claimed.end());
-    constexpr Key not_begun[] = {0};
-    for (const std::uint32_t id : worker.waiting) {
-      const Slot& s = slot(id);
-      queues_.add(s.is_begun ? s.search.waits_for() : not_begun, id);
-    }
+    std::array<Key, WaitingQueues::most_names> names;
+    for (const std::uint32_t id : worker.waiting) queues_.add(slot(id).names(names), id);
     statistics_.waits += worker.waiting.size();
     free_.insert(free_.end(), worker.ended.begin(), worker.ended.end());
     alive_ -= worker.ended.size();
@@ -213,7 +229,7 @@ void QueuedPaths::begin_paths(Worker& worker) {
 // For another path; one is always alive. The searches of paths that have just begun will grow. A slow start: until most
 // cells have been expanded once their boxes are wide, and a ray notes hundreds of them.
 bool QueuedPaths::has_room() {
-  constexpr std::uint64_t paths_at_start = 2048, paths_a_serving = 16;
+  constexpr std::uint64_t paths_at_start = 2048, paths_a_serving = 64;
   if (alive_ >= paths_at_start + paths_a_serving * statistics_.served) return false;
   constexpr std::size_t usual_search_bytes = 192;
   const std::size_t searches = search_bytes_.load(std::memory_order_relaxed),
@@ -242,14 +258,14 @@ void QueuedPaths::follow(Worker& worker, std::uint32_t id) {
   const PathTools tools{scene_, sampler, worker.rays, first};
   Meter meter(wants_.costs ? &chunk.costs[id % chunk_paths] : nullptr, *scene_.intersector, s.is_begun);
   if (s.is_begun) {
-    s.search.wake(worker.woken_for);
+    for (RaySearch& search : s.searches) search.wake(worker.woken_for);
     sampler.start(s.sample.x, s.sample.y, int(s.sample.number), scene_.settings.seed);
     sampler.go_to(s.dimension);
   } else {
     if (first) *first = {};
     const CameraPaths::Start start = camera_.start(s.sample, sampler);
     if (first) first->time = start.ray.time;
-    s.weight = start.weight;
+    s.weight = std::int8_t(start.weight);
     s.is_begun = true;
     stepper_.begin(state(id), start.ray, tools);
   }
@@ -262,22 +278,50 @@ void QueuedPaths::follow(Worker& worker, std::uint32_t id) {
     deliver(worker.exchange, id, worker.rays.escaped == escaped);
     worker.ended.push_back(id);
   }
-  const std::size_t bytes = s.search.bytes();
+  std::size_t bytes = s.early ? sizeof(SurfaceHit) : 0;
+  for (const RaySearch& search : s.searches) bytes += search.bytes();
   search_bytes_.fetch_add(bytes - s.search_bytes, std::memory_order_relaxed);  // modulo 2^64
-  s.search_bytes = bytes;
+  s.search_bytes = std::uint32_t(bytes);
 }
 
-// Whether the path waits now.
+// Whether the path waits now. Both rays of a vertex are searched in every turn; the second is answered after the first.
 bool QueuedPaths::go_on(std::uint32_t id, const PathTools& tools) {
+  Slot& s = slot(id);
+  void* const path = state(id);
   while (true) {
-    const RayRequest request = stepper_.request(state(id));
-    if (request.kind == RayRequest::Kind::None) return false;
+    const bool light_waits = !meets_light(id, tools);
+    const RayRequest request = stepper_.request(path, 1);
+    if (request.kind == RayRequest::Kind::None) return light_waits;
     SurfaceHit hit;
-    const RaySearch::End end =
-        scene_.intersector->search(request.ray, request.kind == RayRequest::Kind::Any, slot(id).search, hit);
-    if (end == RaySearch::End::Waits) return true;
-    stepper_.answer(state(id), end == RaySearch::End::Met, hit, tools);
+    if (!s.has_early) {
+      const RaySearch::End end = search(request, s.searches[1], hit);
+      if (end == RaySearch::End::Waits) return true;
+      s.early_met = end == RaySearch::End::Met;
+      if (light_waits && s.early_met) s.early = std::make_unique<SurfaceHit>(hit);
+      s.has_early = true;
+    } else if (!light_waits && s.early) {
+      hit = *std::exchange(s.early, nullptr);
+    }
+    if (light_waits) return true;
+    s.has_early = false;
+    stepper_.answer(path, 1, s.early_met, hit, tools);
   }
+}
+
+// False if the ray to the light waits.
+bool QueuedPaths::meets_light(std::uint32_t id, const PathTools& tools) {
+  while (true) {
+    const RayRequest request = stepper_.request(state(id), 0);
+    if (request.kind == RayRequest::Kind::None) return true;
+    SurfaceHit hit;
+    const RaySearch::End end = search(request, slot(id).searches[0], hit);
+    if (end == RaySearch::End::Waits) return false;
+    stepper_.answer(state(id), 0, end == RaySearch::End::Met, hit, tools);
+  }
+}
+
+RaySearch::End QueuedPaths::search(const RayRequest& request, RaySearch& search, SurfaceHit& hit) const {
+  return scene_.intersector->search(request.ray, request.kind == RayRequest::Kind::Any, search, hit);
 }
 
 void QueuedPaths::deliver(const Exchange& exchange, std::uint32_t id, bool covered) {

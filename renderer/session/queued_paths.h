@@ -65,6 +65,8 @@ class QueuedPaths {
   std::size_t bytes() const;
   void follow(Worker& worker, std::uint32_t id);
   bool go_on(std::uint32_t id, const PathTools& tools);
+  bool meets_light(std::uint32_t id, const PathTools& tools);
+  RaySearch::End search(const RayRequest& request, RaySearch& search, SurfaceHit& hit) const;
   void deliver(const Exchange& exchange, std::uint32_t id, bool covered);
   Slot& slot(std::uint32_t id);
   void* state(std::uint32_t id);

@@ -151,14 +151,12 @@ void RenderSession::run_tiles(std::uint32_t end, std::vector<RayCounts>& rays) {
 
 // Looks at the last cells that the thread's rays asked for.
 bool RenderSession::goes_on_to_queues(Worker& worker) const {
-  constexpr std::uint64_t watched_cells = 1 << 12;
-  constexpr double most_reexpanded = 1e-3;  // at 150 us an expansion and 1.5 us a cell a tenth of the time
+  // At 150 us an expansion and 1.5 us a cell a tenth of the time
+  constexpr std::uint64_t watched_cells = 1 << 12, most_reexpanded = 4;
   const ThreadExpansions now = scene_.intersector->thread_expansions();
-  const std::uint64_t acquired = now.acquired - worker.watched.acquired;
-  if (acquired < watched_cells) return false;
-  const std::uint64_t again = now.reexpanded - worker.watched.reexpanded;
-  worker.watched = now;
-  return double(again) > most_reexpanded * double(acquired);
+  if (now.reexpanded - worker.watched.reexpanded > most_reexpanded) return true;
+  if (now.acquired - worker.watched.acquired >= watched_cells) worker.watched = now;
+  return false;
 }
 
 void RenderSession::render_tile(Worker& worker, const PixelWindow& tile) {

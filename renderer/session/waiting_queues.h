@@ -1,17 +1,19 @@
 // WaitingQueues: who waits for what, where most are waiting, and where for longest. Ids are small numbers; each waits
 // in a few queues and is taken from whichever is served first. A queue exists while somebody waits in it, and its name
 // is a hash. A heap of the queues finds the longest: adding an id costs a look-up and, mostly, no step in the heap for
-// each of its names; taking it the same. Of one thread at a time.
+// each of its names; taking it the same without a look-up. Of one thread at a time.
 #pragma once
 
 #include "geometry/accel/ray_search.h"
 #include "geometry/base/key.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <unordered_map>
 #include <vector>
 
@@ -19,6 +21,8 @@ namespace meristem {
 
 class WaitingQueues {
  public:
+  // In so many one may wait.
+  static constexpr std::size_t most_names = 2 * std::tuple_size_v<MissingCells::Names>;
   // An id that waits nowhere; at least one name, each once.
   void add(std::span<const Key> names, std::uint32_t id);
   // Appends up to `most` ids of the longest queue; the last to come go first, and wait nowhere any more. Returns the
@@ -31,22 +35,25 @@ class WaitingQueues {
   std::size_t bytes() const;
 
  private:
+  using Index = std::uint32_t;  // of a queue in queues_
   // In a queue's list those that were taken from another stay for a while; they are known by an old turn.
   struct Member {
     std::uint32_t id, turn;
   };
   struct Queue {
-    Key name;
-    std::uint32_t length, list;  // of those that wait; its place in lists_
-    std::uint64_t since;         // a number that grows from queue to queue
+    Key name = 0;
+    std::uint32_t length = 0;     // of those that wait; 0: free for another name
+    std::uint32_t place = 0;      // in the heap
+    std::uint64_t since = 0;      // a number that grows from queue to queue
+    std::vector<Member> members;  // and some that are gone
   };
   struct Waiter {
     std::uint32_t turn = 0;  // how often it has been taken
-    std::uint32_t name_count = 0;
-    MissingCells::Names names;
+    std::uint32_t queue_count = 0;
+    std::array<Index, most_names> queues;
   };
   struct Beginning {
-    Key name;
+    Index queue;
     std::uint64_t since;
   };
   struct NameIsHash {
@@ -55,19 +62,18 @@ class WaitingQueues {
 
   bool waits(const Member& m) const { return waiters_[m.id].turn == m.turn; }
   bool lasts(const Beginning& b) const;
-  Queue& queue_named(Key name);
-  Key take_from(std::size_t at, std::size_t most, std::vector<std::uint32_t>& ids);
-  void leave(Key name);
-  void clear_list(std::uint32_t list);
-  void place(Queue queue, std::size_t at);  // in the heap, where it knows its place
-  void lift(std::size_t at);
-  void sink(std::size_t at);
+  Index queue_named(Key name);
+  Key take_from(Index queue, std::size_t most, std::vector<std::uint32_t>& ids);
+  void leave(Index queue);
+  std::uint32_t length_at(std::size_t place) const { return queues_[heap_[place]].length; }
+  void put(Index queue, std::size_t place);  // in the heap
+  void lift(std::size_t place);
+  void sink(std::size_t place);
 
-  std::vector<Queue> heap_;
-  std::unordered_map<Key, std::size_t, NameIsHash> places_;  // in the heap
-  std::vector<std::vector<Member>> lists_;
-  std::vector<std::uint32_t> free_lists_;
-  std::size_t members_ = 0;           // in all lists
+  std::vector<Queue> queues_;
+  std::vector<Index> free_, heap_;
+  std::unordered_map<Key, Index, NameIsHash> by_name_;
+  std::size_t members_ = 0;           // in all queues, those that are gone among them
   std::vector<Waiter> waiters_;       // by id
   std::deque<Beginning> beginnings_;  // in order, those of ended queues among them
   std::uint64_t queues_begun_ = 0;

@@ -355,7 +355,8 @@ TEST_F(Transport, PathsThatWaitEndWithTheSameBits) {
     for (int i = 0; i < count; ++i) {
       Waiting& path = paths[std::size_t(i)];
       path.state = std::vector(path.state);  // lies somewhere else
-      const RayRequest request = stepper->request(path.state.data());
+      const int ray = stepper->request(path.state.data(), 0).kind == RayRequest::Kind::None ? 1 : 0;
+      const RayRequest request = stepper->request(path.state.data(), ray);
       if (request.kind == RayRequest::Kind::None) continue;
       ++alive;
       SurfaceHit hit;
@@ -363,7 +364,7 @@ TEST_F(Transport, PathsThatWaitEndWithTheSameBits) {
       if (request.kind == RayRequest::Kind::Any) hit = {};
       scene.sampler->start(i, 0, 3, 1);
       scene.sampler->go_to(path.dimension);
-      stepper->answer(path.state.data(), met, hit, {scene, *scene.sampler, in_turn, nullptr});
+      stepper->answer(path.state.data(), ray, met, hit, {scene, *scene.sampler, in_turn, nullptr});
       path.dimension = scene.sampler->dimension();
     }
   }
