@@ -46,7 +46,7 @@ class Axis {
     lower_ = lower[axis_];
     size_ = size[axis_];
   }
-  bool is_point() const { return !(size_ > 0) || !std::isfinite(1 / size_); }
+  bool is_point() const { return !(size_ > 1e-30f) || !std::isfinite(size_); }  // or too small to be divided
   float place(const Item& item) const {
     alignas(16) float c[4];
     _mm_store_ps(c, item.doubled_centroid());
