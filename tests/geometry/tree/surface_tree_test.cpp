@@ -78,7 +78,7 @@ double distance_to(const std::array<Vec3f, 3>& c, Vec3f origin, Vec3f direction,
 }
 
 struct Scene {
-  explicit Scene(Tessellation tessellation) : t(std::move(tessellation)), tree(t) {}
+  explicit Scene(Tessellation tessellation) : t(std::move(tessellation)), tree((leave_room(t), t)) {}
   bool intersect(Vec3f origin, Vec3f direction, TreeHit& hit, float t_min = 0) const {
     return tree.intersect(t.positions.data(), TreeRay(origin, direction), t_min, hit);
   }
