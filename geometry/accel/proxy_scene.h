@@ -16,7 +16,7 @@
 
 namespace meristem {
 
-// Rounding lets Embree hit a triangle a little beyond its edges. Were that cut off by bounds, what a ray hits would
+// Rounding lets a ray meet a triangle a little beyond its edges. Were that cut off by bounds, what a ray hits would
 // depend on when they came.
 Bounds3f with_rounding_margin(const Bounds3f& real);
 

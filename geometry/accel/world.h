@@ -2,7 +2,7 @@
 //
 //   Lazy   a cell expands when a ray enters its bounds; the geometry cache forgets what is no longer used
 //   Eager  the same cells and the same code, all expanded before the first ray; nothing is forgotten
-//   Flat   each model's whole final mesh in one plain Embree scene, as the paper's renderer did
+//   Flat   each model's whole final mesh under one tree, as the paper's renderer did
 //
 // Lazy and eager give the same hits bit for bit, for any budget, number of threads and order of rays: what a cell
 // expands to is a pure function of the model, cells are traced through the same hierarchy whether resident or not, and

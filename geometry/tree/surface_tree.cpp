@@ -1,5 +1,6 @@
 #include "geometry/tree/surface_tree.h"
 
+#include "geometry/base/check.h"
 #include "geometry/base/scratch.h"
 #include "geometry/tree/tree_builder.h"
 #include "geometry/tree/tree_kernels.h"
@@ -31,6 +32,8 @@ void sort(std::vector<T>& list, const std::vector<std::uint32_t>& order) {
 SurfaceTree::SurfaceTree(Tessellation& tessellation, bool parallel) {
   thread_local BuiltTree built;  // what stays is copied: no tree leaves holes in the heap
   build_tree(tessellation, parallel, built);
+  constexpr std::size_t most_nodes = std::size_t(1) << 26;  // TreeHit::triangle counts 64 to a node
+  CHECK(built.nodes.size() < most_nodes, "{} nodes in one tree", built.nodes.size());
   nodes_.assign(built.nodes.begin(), built.nodes.end());
   sort(tessellation.triangles, built.triangles);
   sort(tessellation.triangle_sources, built.triangles);
