@@ -15,6 +15,7 @@ namespace meristem {
 
 namespace {
 
+bool is_exr(const std::string& path) { return !is_film_file(path) && image_format(path) == ImageFormat::Exr; }
 bool is_display_image(const std::string& path) { return !is_film_file(path) && image_format(path) != ImageFormat::Exr; }
 
 void report_clamped(const std::string& path, std::size_t values) {
@@ -44,10 +45,15 @@ void check_extension(const std::string& path) {
 }
 
 Outputs::Outputs(OutputOptions options) : options_(std::move(options)) {
-  check_image_support();
+  if (needs_image_module()) check_image_module();
   for (const std::string& path : options_.files) check_writable(path);
   if (std::ranges::any_of(options_.files, is_display_image) || !options_.view.empty() || !options_.display.empty())
     transform_.emplace(options_.view, options_.exposure, options_.display);
+}
+
+bool Outputs::needs_image_module() const {
+  return std::ranges::any_of(
+      options_.files, [](const std::string& path) { return !is_film_file(path) && needs_module(image_format(path)); });
 }
 
 void Outputs::write(const Film& film, const FilmInfo& info, const AdaptiveState& adaptive) const {
@@ -57,26 +63,38 @@ void Outputs::write(const Film& film, const FilmInfo& info, const AdaptiveState&
   const Image denoised = denoise ? denoise::denoised(film) : Image{};
   Metadata metadata = info.metadata;
   if (denoise) metadata.emplace_back("meristem:denoised", "display images and the part \"denoised\" of EXR files");
-  std::vector<ExrPart> parts;
-  Image shown;
   for (const std::string& path : options_.files)
-    if (is_film_file(path)) {
-      write_film_file(path, film, info, adaptive);
-    } else if (is_display_image(path)) {
-      if (shown.pixels.empty()) {
-        shown = denoise ? denoised : film.develop();
-        transform_->apply(shown.pixels.data(), shown.width, shown.height, shown.channels);
-      }
-      write_image(path, shown, metadata, {.bits = options_.bits});
-    } else {
-      if (parts.empty()) {
-        parts = film_parts(film, info.names, options_.half);
-        if (denoise) parts.insert(parts.begin() + 1, denoised_part(denoised, options_.half));
-      }
-      const PixelWindow& window = film.window();
-      const ExrFrame frame{window.x0, window.y0, info.frame_width, info.frame_height};
-      report_clamped(path, write_exr_parts(path, parts, frame, metadata));
+    if (is_film_file(path)) write_film_file(path, film, info, adaptive);
+  write_display_images(film, denoised, metadata);
+  write_exr_files(film, info, denoised, metadata);
+}
+
+// `denoised` may be empty.
+void Outputs::write_display_images(const Film& film, const Image& denoised, const Metadata& metadata) const {
+  Image shown;
+  for (const std::string& path : options_.files) {
+    if (!is_display_image(path)) continue;
+    if (shown.pixels.empty()) {
+      shown = denoised.pixels.empty() ? film.develop() : denoised;
+      transform_->apply(shown.pixels.data(), shown.width, shown.height, shown.channels);
     }
+    write_image(path, shown, metadata, {.bits = options_.bits});
+  }
+}
+
+void Outputs::write_exr_files(const Film& film, const FilmInfo& info, const Image& denoised,
+                              const Metadata& metadata) const {
+  const PixelWindow& window = film.window();
+  const ExrFrame frame{window.x0, window.y0, info.frame_width, info.frame_height};
+  std::vector<ExrPart> parts;
+  for (const std::string& path : options_.files) {
+    if (!is_exr(path)) continue;
+    if (parts.empty()) {
+      parts = film_parts(film, info.names, options_.half);
+      if (!denoised.pixels.empty()) parts.insert(parts.begin() + 1, denoised_part(denoised, options_.half));
+    }
+    report_clamped(path, write_exr_parts(path, parts, frame, metadata));
+  }
 }
 
 }  // namespace meristem

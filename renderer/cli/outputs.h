@@ -32,10 +32,15 @@ class Outputs {
   explicit Outputs(OutputOptions options);
 
   const std::vector<std::string>& files() const { return options_.files; }
+  // Whether writing them takes the module of renderer/image.
+  bool needs_image_module() const;
   // Writes every file, whole; says on standard error if values had to be clamped. Throws FileError.
   void write(const Film& film, const FilmInfo& info, const AdaptiveState& adaptive) const;
 
  private:
+  void write_display_images(const Film& film, const Image& denoised, const Metadata& metadata) const;
+  void write_exr_files(const Film& film, const FilmInfo& info, const Image& denoised, const Metadata& metadata) const;
+
   OutputOptions options_;
   std::optional<DisplayTransform> transform_;  // if some file is a display image
 };

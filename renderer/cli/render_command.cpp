@@ -59,12 +59,12 @@ bool report_faults(const RenderStatistics& s) {
   return s.image.nonfinite > 0 || s.expansion.failed > 0;
 }
 
-// Opens what writing the image needs while rays are traced: from the first report of progress on, when the first pixel
-// stands, since the dynamic linker's lock would hold up the libraries that are still starting.
-class ImageSupport {
+// Opens the module that some formats need while rays are traced: from the first report of progress on, when the first
+// pixel stands, since the dynamic linker's lock would hold up the libraries that are still starting.
+class ImageModule {
  public:
   void want() {
-    if (!opening_.joinable()) opening_ = std::jthread(open_image_support);
+    if (!opening_.joinable()) opening_ = std::jthread(open_image_module);
   }
 
  private:
@@ -140,7 +140,7 @@ class ImageRender {
     if (options_.time_limit_s) result.time_limit_s = *options_.time_limit_s;
     result.cancel = &interruption_->requested();
     result.progress = [this, &display](const RenderProgress& progress) {
-      image_support_.want();
+      if (outputs_.needs_image_module()) image_module_.want();
       display.update(progress);
       memory_.add({process_age_s(), resident_bytes()});
     };
@@ -180,7 +180,7 @@ class ImageRender {
   void take_snapshot() {
     SessionResult so_far;
     so_far.samples = session_->film().total_samples();
-    const RenderStatistics s = statistics(so_far);
+    const RenderStatistics s = statistics(so_far, loaded_.scene->intersector->statistics());
     write_everything(s, "snapshot", true);
     last_snapshot_s_ = process_age_s();
     if (options_.verbose) print_error(fmt::format("snapshot: wrote {}", film_path_));
@@ -215,7 +215,7 @@ class ImageRender {
     return {first_sample(), first_sample() + most};
   }
 
-  RenderStatistics statistics(const SessionResult& result) const {
+  RenderStatistics statistics(const SessionResult& result, ExpansionStatistics expansion) const {
     const Film& film = session_->film();
     const Image image = film.develop();
     RenderStatistics s;
@@ -233,7 +233,7 @@ class ImageRender {
     s.samples_taken = result.samples;
     s.interrupted = result.end == RenderEnd::Cancelled;
     s.image = {image.width, image.height, film.nonfinite_samples(), image_sha256(image)};
-    s.expansion = loaded_.scene->intersector->statistics();
+    s.expansion = std::move(expansion);
     s.wall_s = process_age_s();
     s.peak_rss_bytes = peak_resident_bytes();
     return s;
@@ -248,7 +248,9 @@ class ImageRender {
       print_error("interrupted before the first pixel: nothing was written");
       return interrupted ? interrupted : int(ExitCode::Limit);
     }
-    RenderStatistics s = statistics(result);
+    ExpansionStatistics expansion = loaded_.scene->intersector->statistics();
+    loaded_.scene->intersector.reset();  // images are made in the memory that geometry took
+    RenderStatistics s = statistics(result, std::move(expansion));
     write_everything(s, end_name(result.end), result.end != RenderEnd::Complete);
     if (result.end == RenderEnd::Complete) remove_film();
     s.wall_s = process_age_s();
@@ -294,7 +296,7 @@ class ImageRender {
   LoadedScene loaded_;
   double load_s_ = 0;
   std::optional<Interruption> interruption_;
-  ImageSupport image_support_;
+  ImageModule image_module_;
   MemorySamples memory_;
   RenderSession* session_ = nullptr;  // while it runs
   FilmIdentity identity_;             // empty until somebody asks

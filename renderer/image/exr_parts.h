@@ -1,5 +1,7 @@
-// EXR files of several parts: the picture and what else is known of each pixel. Every part has the same data window.
-// Any thread; every error is a FileError that names the file; the file appears whole or not at all.
+// EXR files of one part or several: the picture and what else is known of each pixel. Every part has the same data
+// window. By the layout that OpenEXR documents ("OpenEXR File Layout"), rows from top to bottom, blocks of 16 of them
+// compressed by zlib, on all threads. Any thread; every error is a FileError that names the file; the file appears
+// whole or not at all.
 #pragma once
 
 #include "renderer/image/image.h"
@@ -26,7 +28,7 @@ struct ExrFrame {
 
 // Returns how many values of parts of halves lay outside the range of a half and were clamped to it. `metadata` goes to
 // the first part.
-std::size_t write_exr_parts(const std::string& path, std::vector<ExrPart> parts, const ExrFrame& frame,
+std::size_t write_exr_parts(const std::string& path, const std::vector<ExrPart>& parts, const ExrFrame& frame,
                             const Metadata& metadata = {});
 
 }  // namespace meristem

@@ -1,7 +1,9 @@
 #include "renderer/image/image.h"
 
 #include "geometry/base/check.h"
+#include "renderer/image/exr_parts.h"
 #include "renderer/image/image_codec.h"
+#include "renderer/image/png_encoder.h"
 
 #include <fmt/format.h>
 
@@ -14,19 +16,22 @@ namespace meristem {
 
 namespace {
 
-constexpr float max_half = 65504.0f;
-
-// The first `kept` of the image's channels, clamped; counts the values that were outside. NaN passes.
-Image clamped_channels(const Image& image, int kept, float low, float high, std::size_t& outside) {
+// Its first `kept` channels, clamped to [0, 1]. NaN passes.
+Image display_channels(const Image& image, int kept) {
   std::vector<float> values;
   values.reserve(image.pixels.size());
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    if (int(i % std::size_t(image.channels)) >= kept) continue;
-    const float value = image.pixels[i];
-    outside += value < low || value > high;
-    values.push_back(std::isnan(value) ? value : std::clamp(value, low, high));
-  }
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    if (int(i % std::size_t(image.channels)) < kept) {
+      const float value = image.pixels[i];
+      values.push_back(std::isnan(value) ? value : std::clamp(value, 0.0f, 1.0f));
+    }
   return {image.width, image.height, kept, std::move(values)};
+}
+
+std::vector<std::string> channel_names(int channels) {
+  if (channels == 1) return {"Y"};
+  if (channels == 3) return {"R", "G", "B"};
+  return {"R", "G", "B", "A"};
 }
 
 }  // namespace
@@ -50,19 +55,19 @@ std::size_t write_image(const std::string& path, const Image& image, const Metad
   CHECK(image.pixels.size() == std::size_t(image.width) * std::size_t(image.height) * std::size_t(image.channels),
         "{} values for {} x {} x {}", image.pixels.size(), image.width, image.height, image.channels);
   const ImageFormat format = image_format(path);
-  std::size_t clamped = 0;
-  std::vector<unsigned char> bytes;
-  auto encode = [&](const Image& values) { bytes = image_codec().encode(path, format, values, metadata, options); };
-  if (format != ImageFormat::Exr) {
-    std::size_t outside_display = 0;
-    encode(clamped_channels(image, std::min(image.channels, 3), 0, 1, outside_display));
-  } else if (options.half) {
-    encode(clamped_channels(image, image.channels, -max_half, max_half, clamped));
-  } else {
-    encode(image);
+  if (format == ImageFormat::Exr)
+    return write_exr_parts(path, {{"", channel_names(image.channels), image, options.half, true}},
+                           {0, 0, image.width, image.height}, metadata);
+  if (format == ImageFormat::Png) {
+    write_file(path, encode_png(image, metadata, options.bits));
+    return 0;
   }
+  const std::vector<unsigned char> bytes =
+      image_codec().encode(path, format, display_channels(image, std::min(image.channels, 3)), metadata, options);
   write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  return clamped;
+  return 0;
 }
+
+bool needs_module(ImageFormat format) { return format == ImageFormat::Jpeg || format == ImageFormat::Tiff; }
 
 }  // namespace meristem

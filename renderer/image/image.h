@@ -1,5 +1,5 @@
-// Images in memory, and reading and writing files. OpenImageIO does the work, in a module that is opened at first use
-// (image_codec.h).
+// Images in memory, and reading and writing files. PNG and EXR are written here (png_encoder.h, exr_parts.h); all else
+// OpenImageIO does, in a module that is opened at first use (image_codec.h).
 //
 // Reading: EXR, PNG, JPEG, Radiance HDR and TIFF, told apart by their first bytes, never by their names. Only regular
 // files, at most 65536 pixels a side, 64 channels and 2 GiB decoded, all checked before a pixel is read. Values are
@@ -34,10 +34,8 @@ enum class ImageFormat { Exr, Png, Jpeg, Tiff };
 ImageFormat image_format(const std::string& path);
 
 struct WriteOptions {
-  bool half = true;                     // EXR: 16-bit halves; else 32-bit floats
-  int bits = 8;                         // PNG and TIFF: 8 or 16 a channel; JPEG always has 8
-  int x = 0, y = 0;                     // EXR: where the image lies in the full frame, for a crop
-  int full_width = 0, full_height = 0;  // EXR: size of the full frame; 0: the image is the frame
+  bool half = true;  // EXR: 16-bit halves; else 32-bit floats
+  int bits = 8;      // PNG and TIFF: 8 or 16 a channel; JPEG always has 8
 };
 
 // Writes 1 (grey), 3 (RGB) or 4 (RGBA) channels. EXR takes scene-linear Rec.709 with alpha multiplied in; the others
@@ -46,9 +44,11 @@ struct WriteOptions {
 std::size_t write_image(const std::string& path, const Image& image, const Metadata& metadata = {},
                         const WriteOptions& options = {});
 
-// Throws the FileError that reading and writing would meet if the module is missing.
-void check_image_support();
+// Whether writing such files needs the module.
+bool needs_module(ImageFormat format);
+// Throws the FileError that using the module would meet if it is missing.
+void check_image_module();
 // Opens the module, which takes some 0.5 s, so that the next call does not have to. What fails is left for that call.
-void open_image_support() noexcept;
+void open_image_module() noexcept;
 
 }  // namespace meristem

@@ -31,11 +31,11 @@ const ImageCodec& image_codec() {
   return *codec;
 }
 
-void check_image_support() {
+void check_image_module() {
   with_file_errors([] { return module_path(module_name); });
 }
 
-void open_image_support() noexcept {
+void open_image_module() noexcept {
   try {
     image_codec();
   } catch (const FileError&) {  // whoever reads or writes will hear of it

@@ -1,11 +1,11 @@
 // ImageCodec: what needs OpenImageIO, behind a module that is opened at first use.
 //
-// OpenImageIO brings some 250 shared libraries, and the dynamic linker takes half a second for them. So
+// OpenImageIO brings some 250 shared libraries: half a second for the dynamic linker, and 125 MB of memory. So
 // renderer/image/codec is not part of the program but of meristem_image.so (geometry/base/module.h), which is opened
-// when the first image is read or written.
+// when the first image is read, or written as JPEG or TIFF.
 #pragma once
 
-#include "renderer/image/exr_parts.h"
+#include "renderer/image/image.h"
 #include "renderer/image/texture.h"
 
 #include <memory>
@@ -19,12 +19,9 @@ class ImageCodec {
  public:
   // `part` of a file with several, by name; empty: the first.
   virtual Image read(const std::string& path, const std::string& part) const = 0;
-  // The bytes of a file. `path` is for messages; the image's channels are those that the file gets.
+  // The bytes of a JPEG or TIFF file. `path` is for messages; the image's channels are those that the file gets.
   virtual std::vector<unsigned char> encode(const std::string& path, ImageFormat format, const Image& image,
                                             const Metadata& metadata, const WriteOptions& options) const = 0;
-  // The bytes of an EXR file of several parts; values of halves are in their range.
-  virtual std::vector<unsigned char> encode_parts(const std::string& path, const std::vector<ExrPart>& parts,
-                                                  const ExrFrame& frame, const Metadata& metadata) const = 0;
   virtual std::unique_ptr<const Texture> open_texture(const std::string& path, const TextureOptions& options) const = 0;
 
  protected:

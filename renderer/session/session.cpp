@@ -106,6 +106,7 @@ SessionResult RenderSession::render() {
   result.render_s = process_age_s() - started_s_;
   if (first_pixel_s_ >= 0) result.first_pixel_s = first_pixel_s_;
   if (queues_) result.queues = queues_->paths.statistics();
+  queues_.reset();
   if (result.samples < samples_total_) result.end = cancelled() ? RenderEnd::Cancelled : RenderEnd::TimeLimit;
   send_progress(process_age_s());
   return result;

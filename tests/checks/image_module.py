@@ -1,4 +1,4 @@
-"""The image libraries stay out of the program, and it says so if their module is missing.
+"""The image libraries stay out of the program. PNG and EXR are written without their module; TIFF without is an error.
 
     image_module.py PROGRAM
 """
@@ -23,10 +23,18 @@ def main():
         except OSError:  # another file system
             alone.write_bytes(program.read_bytes())
             alone.chmod(0o755)
-        command = [alone, "render", "-", "-o", "a.png"]
-        run = subprocess.run(command, input=SCENE, cwd=folder, capture_output=True, text=True)
-        if run.returncode != 4 or "meristem_image.so is missing from " + folder not in run.stderr:
-            return f"without the module: exit code {run.returncode}, {run.stderr}"
+        os.symlink(program.parent / "meristem_color.so", pathlib.Path(folder) / "meristem_color.so")
+
+        def render(*images):
+            command = [alone, "render", "-", "-q", *(word for image in images for word in ("-o", image))]
+            return subprocess.run(command, input=SCENE, cwd=folder, capture_output=True, text=True)
+
+        written = render("a.png", "a.exr", "a.film")
+        if written.returncode != 0:
+            return f"PNG and EXR without the module: exit code {written.returncode}, {written.stderr}"
+        refused = render("a.png", "a.tif")
+        if refused.returncode != 4 or "meristem_image.so is missing from " + folder not in refused.stderr:
+            return f"TIFF without the module: exit code {refused.returncode}, {refused.stderr}"
     return None
 
 

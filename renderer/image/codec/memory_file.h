@@ -1,5 +1,5 @@
-// A file in memory that a library opens by a name like any other: for OpenImageIO's writers of TIFF and of
-// EXR in several parts, which fail on its own memory streams. Linux (memfd_create).
+// A file in memory that a library opens by a name like any other: for OpenImageIO's writer of TIFF, which fails on its
+// own memory streams. Linux (memfd_create).
 #pragma once
 
 #include <string>

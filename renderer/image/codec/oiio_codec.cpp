@@ -1,5 +1,4 @@
 // The codec of image_codec.h upon OpenImageIO: the one place that includes it.
-#include "renderer/image/codec/exr_encoder.h"
 #include "renderer/image/codec/memory_file.h"
 #include "renderer/image/codec/oiio_result.h"
 #include "renderer/image/codec/oiio_texture.h"
@@ -79,41 +78,19 @@ void check_limits(const OIIO::ImageSpec& spec, const std::string& path) {
 }
 
 OIIO::TypeDesc file_type(ImageFormat format, const WriteOptions& options) {
-  if (format == ImageFormat::Exr) return options.half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT;
   return options.bits == 16 && format != ImageFormat::Jpeg ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
-}
-
-void describe_exr(OIIO::ImageSpec& spec, const WriteOptions& options) {
-  spec.attribute("compression", "zip");
-  spec.attribute("oiio:ColorSpace", "lin_srgb");
-  // Rec.709 primaries and the white D65 (ITU-R BT.709-6, item 1.3).
-  const std::array<float, 8> chromaticities{0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
-  spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), chromaticities.data());
-  spec.x = options.x;
-  spec.y = options.y;
-  spec.full_width = options.full_width > 0 ? options.full_width : spec.width;
-  spec.full_height = options.full_height > 0 ? options.full_height : spec.height;
 }
 
 OIIO::ImageSpec file_spec(ImageFormat format, const Image& image, const Metadata& metadata,
                           const WriteOptions& options) {
   OIIO::ImageSpec spec(image.width, image.height, image.channels, file_type(format, options));
   for (const auto& [name, value] : metadata) spec.attribute(name, value);
-  if (format == ImageFormat::Exr) describe_exr(spec, options);
   if (format == ImageFormat::Jpeg) spec.attribute("Compression", "jpeg:95");
-  if (format != ImageFormat::Exr) spec.attribute("oiio:ColorSpace", "sRGB");
+  spec.attribute("oiio:ColorSpace", "sRGB");
   return spec;
 }
 
-const char* plugin_name(ImageFormat format) {
-  switch (format) {
-    case ImageFormat::Exr: return "openexr";
-    case ImageFormat::Png: return "png";
-    case ImageFormat::Jpeg: return "jpeg";
-    case ImageFormat::Tiff: return "tiff";
-  }
-  return "";
-}
+const char* plugin_name(ImageFormat format) { return format == ImageFormat::Jpeg ? "jpeg" : "tiff"; }
 
 void run_encoder(OIIO::ImageOutput& out, const std::string& name, const std::string& path, const OIIO::ImageSpec& spec,
                  const float* pixels) {
@@ -158,8 +135,7 @@ class OiioCodec final : public ImageCodec {
     return image;
   }
 
-  // Not written to the disk by the libraries: on a full disk small PNG and EXR files are lost without an error (they
-  // are flushed when they are closed, and nobody looks), and libjpeg ends the process.
+  // Not written to the disk by the libraries: on a full disk libjpeg ends the process.
   std::vector<unsigned char> encode(const std::string& path, ImageFormat format, const Image& image,
                                     const Metadata& metadata, const WriteOptions& options) const override {
     const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(plugin_name(format));
@@ -175,11 +151,6 @@ class OiioCodec final : public ImageCodec {
     out->set_ioproxy(&memory);
     run_encoder(*out, path, path, spec, image.pixels.data());
     return std::move(memory.buffer());
-  }
-
-  std::vector<unsigned char> encode_parts(const std::string& path, const std::vector<ExrPart>& parts,
-                                          const ExrFrame& frame, const Metadata& metadata) const override {
-    return encode_exr_parts(path, parts, frame, metadata);
   }
 
   std::unique_ptr<const Texture> open_texture(const std::string& path, const TextureOptions& options) const override {

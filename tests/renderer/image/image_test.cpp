@@ -75,6 +75,42 @@ TEST(Image, IntegerFormatsRoundToTheNearestStep) {
     }
 }
 
+// Rows that each filter suits: constant, growing to the right, growing downwards, a slope, noise. And an odd width.
+TEST(Image, PngsOfAllKindsOfRowsComeBack) {
+  const ScratchFolder folder;
+  for (const int channels : {1, 3}) {
+    Image image{101, 60, channels, {}};
+    const Image rough = noise(101, 60);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int c = 0; c < channels; ++c) {
+          const int kind = y / 12;
+          const int step = kind == 0 ? 77 : kind == 1 ? x : kind == 2 ? 3 * y : kind == 3 ? x + y + c : 0;
+          image.pixels.push_back(kind == 4 ? rough.pixels[std::size_t(y * 101 + x)] : float(step) / 255);
+        }
+    write_image(folder / "a.png", image);
+    const Image read = read_image(folder / "a.png");
+    ASSERT_EQ(read.pixels.size(), image.pixels.size());
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) EXPECT_NEAR(read.pixels[i], image.pixels[i], 0.51f / 255);
+  }
+}
+
+TEST(Image, PngTakesWhatIsNoNumberForBlack) {
+  const ScratchFolder folder;
+  write_image(folder / "a.png", {2, 2, 1, {std::numeric_limits<float>::quiet_NaN(), -1, 2, 1}});
+  EXPECT_EQ(read_image(folder / "a.png").pixels, (std::vector<float>{0, 0, 1, 1}));
+}
+
+TEST(Image, AnotherProgramSeesWhatAPngSaysOfItself) {
+  const ScratchFolder folder;
+  write_image(folder / "a.png", gradient(4, 4, 3),
+              {{"DateTime", "2026:11:29 19:57:29"}, {"meristem:seed", "7"}, {"meristem:scene", "Wald & B\xc3\xa4ume"}});
+  const std::string said = said_by_oiiotool(folder / "a.png");
+  for (const char* part : {"uint8 png", "oiio:ColorSpace: \"sRGB\"", "DateTime: \"2026:11:29 19:57:29\"",
+                           "meristem:seed: \"7\"", "meristem:scene: \"Wald & B\xc3\xa4ume\""})
+    EXPECT_NE(said.find(part), std::string::npos) << part << "\nin\n" << said;
+}
+
 TEST(Image, JpegIsCloseAndDisplayFormatsLeaveAlphaAway) {
   const ScratchFolder folder;
   Image image{16, 16, 4, {}};

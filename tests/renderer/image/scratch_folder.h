@@ -2,6 +2,7 @@
 #pragma once
 
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -56,6 +57,16 @@ class FileSizeLimit {
   rlimit old_limit_{};
   void (*old_handler_)(int) = nullptr;
 };
+
+// What oiiotool, another program, says of an image file.
+inline std::string said_by_oiiotool(const std::string& path) {
+  std::string text;
+  std::FILE* pipe = ::popen(("oiiotool --info -v -a '" + path + "' 2>&1").c_str(), "r");
+  char buffer[4096];
+  while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe)) text.append(buffer, n);
+  ::pclose(pipe);
+  return text;
+}
 
 inline std::string read_text(const std::string& path) {
   std::ifstream in(path, std::ios::binary);

@@ -1,0 +1,15 @@
+// PNG files (ISO/IEC 15948), upon zlib alone: OpenImageIO's libraries take 125 MB and half a second (image_codec.h).
+#pragma once
+
+#include "renderer/image/image.h"
+
+#include <string>
+
+namespace meristem {
+
+// The bytes of a PNG of the image's first three channels, or its only one, as display values clamped to [0, 1] (what is
+// no number is 0) in `bits` bits, 8 or 16. It says that they are sRGB; "DateTime" becomes its time, all else of the
+// metadata its text.
+std::string encode_png(const Image& image, const Metadata& metadata, int bits);
+
+}  // namespace meristem
