@@ -125,9 +125,10 @@ class Expander {
 
   void split() {
     auto inner = std::make_unique<InnerCell>();
-    inner->adjacency = std::make_unique<const Adjacency>(cell_.mesh);
     inner->level = level_;
     inner->cell = std::move(cell_);
+    inner->cell.mesh.shrink_to_fit();
+    inner->faces_around = VertexFaces(inner->cell.mesh);
     make_children(model_, *inner);
     result_.inner = std::move(inner);
   }
@@ -145,7 +146,7 @@ class Expander {
 }  // namespace
 
 std::size_t InnerCell::bytes() const {
-  return sizeof(*this) + cell.mesh.bytes() + cell.rings.capacity() + (adjacency ? adjacency->bytes() : 0) +
+  return sizeof(*this) + cell.mesh.bytes() + cell.rings.capacity() + faces_around.bytes() +
          child_starts.capacity() * 4 + child_faces.capacity() * 4 + child_bounds.capacity() * sizeof(Bounds3f) +
          child_keys.capacity() * 8;
 }
@@ -162,7 +163,7 @@ CellMesh root_cell(const Model& model, const Footprint* footprint, Key individua
 
 CellMesh child_cell(const Model& model, const InnerCell& parent, std::size_t child) {
   CellMesh cell =
-      gather_cell(parent.cell.mesh, *parent.adjacency, parent.faces_of_child(child), model.halo_rings(parent.level));
+      gather_cell(parent.cell.mesh, parent.faces_around, parent.faces_of_child(child), model.halo_rings(parent.level));
   cell.footprint = parent.cell.footprint;
   return cell;
 }

@@ -7,7 +7,7 @@
 
 #include "geometry/cells/model.h"
 #include "geometry/cells/tessellation.h"
-#include "geometry/mesh/adjacency.h"
+#include "geometry/mesh/rings.h"
 
 #include <memory>
 #include <optional>
@@ -20,7 +20,7 @@ namespace meristem {
 struct InnerCell {
   CellMesh cell;
   int level = 0;
-  std::unique_ptr<const Adjacency> adjacency;
+  VertexFaces faces_around;                    // of its mesh
   std::vector<std::uint32_t> child_starts{0};  // into child_faces
   std::vector<std::uint32_t> child_faces;
   std::vector<Bounds3f> child_bounds;  // conservative, of everything that will come of the child

@@ -19,8 +19,13 @@ std::vector<T> gather(const std::vector<T>& from, std::span<const std::uint32_t>
 
 Mesh extract_faces(const Mesh& mesh, std::span<const std::uint32_t> faces) {
   Mesh part;
-  Numbering vertices, origins;
+  std::size_t corner_count = 0;
+  for (std::uint32_t f : faces) corner_count += mesh.corner_count(f);
   std::vector<std::uint32_t> corners;
+  for (auto* list : {&corners, &part.corner_vertices}) list->reserve(corner_count);
+  for (auto* list : {&part.face_starts, &part.face_origins}) list->reserve(faces.size() + 1);
+  part.face_keys.reserve(faces.size());
+  Numbering vertices(corner_count / 4), origins(faces.size() / 8);
   for (std::uint32_t f : faces) {
     for (std::uint32_t c = mesh.face_starts[f]; c < mesh.face_starts[f + 1]; ++c) {
       part.corner_vertices.push_back(vertices.add(mesh.corner_vertices[c]).number);

@@ -6,6 +6,7 @@
 #include "geometry/cells/look_ahead.h"
 #include "geometry/cells/numbering.h"
 #include "geometry/cells/region_extent.h"
+#include "geometry/mesh/adjacency.h"
 
 #include <algorithm>
 #include <unordered_map>
@@ -14,12 +15,12 @@ namespace meristem {
 
 namespace {
 
-constexpr std::uint32_t none = Adjacency::none;
+constexpr std::uint32_t none = ~std::uint32_t(0);
 
 // Walks around vertices of a mesh, from face to face over shared edges, counter-clockwise.
 class VertexWalk {
  public:
-  VertexWalk(const Mesh& mesh, const Adjacency& adjacency) : mesh_(mesh), adjacency_(adjacency) {}
+  VertexWalk(const Mesh& mesh, const VertexFaces& faces_around) : mesh_(mesh), faces_around_(faces_around) {}
 
   // Calls visit(face) for the other faces around corner k of face f: counter-clockwise from f, and if a boundary stops
   // the walk, clockwise from f.
@@ -37,18 +38,23 @@ class VertexWalk {
   }
 
  private:
+  // The corner after v in a face, or the one before it.
+  std::uint32_t beside(std::uint32_t f, std::uint32_t v, bool after) const {
+    const auto corners = mesh_.corners(f);
+    const std::size_t n = corners.size(), k = std::size_t(std::ranges::find(corners, v) - corners.begin());
+    return corners[(k + (after ? 1 : n - 1)) % n];
+  }
+
   // The face on the other side of the edge of f that enters (counter-clockwise) or leaves v; none beyond a boundary.
   std::uint32_t next(std::uint32_t f, std::uint32_t v, bool counter_clockwise) const {
-    const auto corners = mesh_.corners(f);
-    const std::uint32_t n = std::uint32_t(corners.size());
-    const std::uint32_t k = std::uint32_t(std::find(corners.begin(), corners.end(), v) - corners.begin());
-    const std::uint32_t side = counter_clockwise ? (k + n - 1) % n : k;
-    const Adjacency::Edge& edge = adjacency_.edge(adjacency_.edge_of_corner(mesh_.face_starts[f] + side));
-    return edge.faces[0] == f ? edge.faces[1] : edge.faces[0];
+    const std::uint32_t end = beside(f, v, !counter_clockwise);
+    for (std::uint32_t g : faces_around_.of(v))
+      if (g != f && beside(g, v, counter_clockwise) == end) return g;
+    return none;
   }
 
   const Mesh& mesh_;
-  const Adjacency& adjacency_;
+  const VertexFaces& faces_around_;
 };
 
 // A union of small sets of faces: groups that must stand in one cell.
@@ -103,7 +109,7 @@ class ChildMaker {
   bool is_alone(std::uint32_t f) const {
     const auto corners = mesh_.corners(f);
     return std::all_of(corners.begin(), corners.end(),
-                       [&](std::uint32_t v) { return inner_.adjacency->faces_of_vertex(v).size() == 1; });
+                       [&](std::uint32_t v) { return inner_.faces_around.of(v).size() == 1; });
   }
 
   // For owned faces that still grow or touch one that does: the name of their group. Buds that share a neighbour share
@@ -115,7 +121,7 @@ class ChildMaker {
       if (!is_bud(bud) || is_alone(bud)) continue;
       group[bud] = bud;
       for (std::uint32_t v : mesh_.corners(bud))
-        for (std::uint32_t g : inner_.adjacency->faces_of_vertex(v)) {
+        for (std::uint32_t g : inner_.faces_around.of(v)) {
           group[g] = bud;
           if (is_small_bud_cluster()) groups.join(g, bud);
         }
@@ -155,10 +161,11 @@ class ChildMaker {
       if (const auto outlooks = look_ahead(model_, inner_.cell, inner_.level, group_of, count))
         return join_neighbors(*outlooks);
     }
+    const Adjacency adjacency(mesh_);
     constexpr int derived_levels = 2;  // a branch and its twigs; more is dear, and most branches are never met
     for (std::size_t child = 0; child < count; ++child)
-      inner_.child_bounds.push_back(round_outwards(region_bounds(
-          model_, inner_.cell, *inner_.adjacency, inner_.faces_of_child(child), inner_.level, derived_levels)));
+      inner_.child_bounds.push_back(round_outwards(
+          region_bounds(model_, inner_.cell, adjacency, inner_.faces_of_child(child), inner_.level, derived_levels)));
   }
 
   // Children that follow each other become one as long as they make one leaf and their common box is not much larger
@@ -219,8 +226,9 @@ class ChildMaker {
 
 }  // namespace
 
-CellMesh gather_cell(const Mesh& mesh, const Adjacency& adjacency, std::span<const std::uint32_t> owned, int rings) {
-  const VertexWalk walk(mesh, adjacency);
+CellMesh gather_cell(const Mesh& mesh, const VertexFaces& faces_around, std::span<const std::uint32_t> owned,
+                     int rings) {
+  const VertexWalk walk(mesh, faces_around);
   Numbering faces;
   for (std::uint32_t f : owned) faces.add(f);
   CellMesh cell;

@@ -7,11 +7,12 @@ namespace meristem {
 
 // A cell of the listed faces with `rings` rings of halo. Faces and vertices are numbered by walking around the owned
 // faces' corners, so that cells of one shape get one numbering (and share their RefinePlans). Cost: linear in the cell.
-CellMesh gather_cell(const Mesh& mesh, const Adjacency& adjacency, std::span<const std::uint32_t> owned, int rings);
+CellMesh gather_cell(const Mesh& mesh, const VertexFaces& faces_around, std::span<const std::uint32_t> owned,
+                     int rings);
 
-// Fills in the children of an inner cell whose mesh, level and adjacency are set: runs of neighbouring faces that make
-// one leaf together, single faces that make more; a face that still grows stands with the faces that touch it, whose
-// smoothing it reaches, and with others of its kind as far as they make one leaf together.
+// Fills in the children of an inner cell whose mesh, level and faces_around are set: runs of neighbouring faces that
+// make one leaf together, single faces that make more; a face that still grows stands with the faces that touch it,
+// whose smoothing it reaches, and with others of its kind as far as they make one leaf together.
 void make_children(const Model& model, InnerCell& inner);
 
 }  // namespace meristem

@@ -43,11 +43,15 @@ class Bud {
   double radius() const { return radius_; }
   double footprint() const { return footprint_; }
   // How far what grows reaches beyond the face. Dear.
-  double reach() const { return enlargement_ * model_.growth_reach(origin_, box_, radius_ / enlargement_, level_); }
+  double reach() const { return reach_up_to(INFINITY); }
   // Whether anything of it is larger than so much.
-  bool exceeds(double size) const { return radius_ > size || reach() > size; }
+  bool exceeds(double size) const { return radius_ > size || reach_up_to(size) > size; }
 
  private:
+  double reach_up_to(double size) const {
+    return enlargement_ * model_.growth_reach(origin_, box_, radius_ / enlargement_, level_, size / enlargement_);
+  }
+
   const Model& model_;
   const FaceOrigin& origin_;
   const int level_;
@@ -137,8 +141,9 @@ class Freezing {
   }
 
   // Growth moves no vertex: until the next refinement there is no haste.
+  bool is_time() const { return candidates_ > 0 && level_ < model_.levels() && model_.step(level_).refines(); }
+
   void freeze() {
-    if (candidates_ == 0 || level_ == model_.levels() || !model_.step(level_).refines()) return;
     mesh_.frozen.resize(mesh_.vertex_count());
     const LimitSurface surface = shown_surface(cell_, model_.smoothing(level_));
     const std::vector<Vec2d> uv = vertex_uv(mesh_);
@@ -147,6 +152,23 @@ class Freezing {
         const FadingVertex shown = faded(mesh_, v, Vec3f(surface.positions[v]), Vec3f(surface.normals[v]),
                                          Vec2f{float(uv[v].x), float(uv[v].y)});
         mesh_.frozen[v] = {true, false, shown.position, shown.normal, shown.uv};
+      }
+  }
+
+  void freeze_in_boxes(const FrozenBox& visit) {
+    mesh_.frozen.resize(mesh_.vertex_count());
+    std::vector<Bounds3d> boxes(mesh_.vertex_count());
+    for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
+      const auto corners = mesh_.corners(f);
+      if (std::ranges::none_of(corners, [&](std::uint32_t v) { return is_candidate_[v]; })) continue;
+      Bounds3d box;
+      for (std::uint32_t v : corners) box.extend(mesh_.positions[v]);
+      for (std::uint32_t v : corners) boxes[v].extend(box);
+    }
+    for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v)
+      if (is_candidate_[v]) {
+        mesh_.frozen[v] = {true, false, Vec3f(mesh_.positions[v]), {}, {}};
+        visit(v, boxes[v]);
       }
   }
 
@@ -187,15 +209,30 @@ double thinned_faces(const Model& model, const CellMesh& cell, std::uint32_t fac
 
 }  // namespace
 
-bool freeze_vertices(const Model& model, CellMesh& cell, int level, std::vector<std::uint8_t>* wanted) {
+namespace {
+
+// `freeze` does what is to be done once it is known what freezes.
+template <class Freeze>
+bool freeze_by(const Model& model, CellMesh& cell, int level, std::vector<std::uint8_t>* wanted, const Freeze& freeze) {
   if (wanted) wanted->assign(cell.mesh.vertex_count(), std::uint8_t(model.trailing_refinements(level)));
   if (!cell.footprint) return false;
   measure_nominal_scale(model, cell, level);
   if (model.drops_faces_later(level)) return false;  // which of the faces will be shown is not known yet
   Freezing freezing(model, cell, level, wanted);
   if (freezing.find_candidates()) return true;
-  freezing.freeze();
+  if (freezing.is_time()) freeze(freezing);
   return false;
+}
+
+}  // namespace
+
+bool freeze_vertices(const Model& model, CellMesh& cell, int level, std::vector<std::uint8_t>* wanted) {
+  return freeze_by(model, cell, level, wanted, [](Freezing& f) { f.freeze(); });
+}
+
+bool freeze_in_boxes(const Model& model, CellMesh& cell, int level, std::vector<std::uint8_t>* wanted,
+                     const FrozenBox& visit) {
+  return freeze_by(model, cell, level, wanted, [&](Freezing& f) { f.freeze_in_boxes(visit); });
 }
 
 void leave_out_small_growth(const Model& model, CellMesh& cell, int level) {

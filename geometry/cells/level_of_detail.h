@@ -12,6 +12,8 @@
 
 #include "geometry/cells/model.h"
 
+#include <functional>
+
 namespace meristem {
 
 // Freezes what is fine enough in a cell before step `level`; returns whether every vertex of its owned faces is frozen
@@ -19,6 +21,13 @@ namespace meristem {
 // `wanted`, if given, becomes by vertex how many refinements it still wants, were it not to move (of vertices of the
 // halo alone, and without a footprint: all that are left).
 bool freeze_vertices(const Model& model, CellMesh& cell, int level, std::vector<std::uint8_t>* wanted = nullptr);
+
+// The same where only bounds are asked for and levels do not fade: the surface, which is dear, is not evaluated. What
+// freezes is kept at its control point and calls visit(vertex, box): where it is shown lies in that box of the corners
+// of its faces, but for rounding.
+using FrozenBox = std::function<void(std::uint32_t vertex, const Bounds3d& box)>;
+bool freeze_in_boxes(const Model& model, CellMesh& cell, int level, std::vector<std::uint8_t>* wanted,
+                     const FrozenBox& visit);
 
 // The share of step `level` in what is shown of a vertex of that nominal scale that is not frozen, where levels fade
 // in: by how much the larger of its size and of what may still be added to it exceeds the wanted one. All of it, if it

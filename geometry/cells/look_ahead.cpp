@@ -5,6 +5,7 @@
 #include "geometry/cells/group_rings.h"
 #include "geometry/cells/level_of_detail.h"
 #include "geometry/mesh/refine.h"
+#include "geometry/mesh/rings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -70,9 +71,11 @@ class Lookahead {
     for (std::uint32_t end = 0; end < groups.size(); starts.push_back(end))
       for (std::uint32_t faces = 0; end < groups.size() && faces < part_faces; ++end) faces += sizes[end];
     if (starts.size() == 2) return refine_and_bound_together(groups);
-    parallel_for(starts.size() - 1, [&](std::size_t i) {
-      const std::uint32_t first = starts[i], end = starts[i + 1];
-      part(first, end).refine_and_bound_together(groups.subspan(first, end - first));
+    const VertexFaces faces_around(ahead_.mesh);
+    const std::vector<std::vector<std::uint32_t>> faces = faces_of_parts(starts);
+    parallel_for(faces.size(), [&](std::size_t i) {
+      part(faces[i], starts[i], faces_around)
+          .refine_and_bound_together(groups.subspan(starts[i], starts[i + 1] - starts[i]));
     });
   }
 
@@ -85,13 +88,20 @@ class Lookahead {
         most_faces_(whole.most_faces_ * ahead_.owned_faces / whole.ahead_.owned_faces),
         is_final_(whole.is_final_) {}
 
-  // The faces of groups [first, end) with their halo, labelled anew from 0 on.
-  Lookahead part(std::uint32_t first, std::uint32_t end) const {
-    std::vector<std::uint32_t> faces;
-    for (std::uint32_t f = 0; f < ahead_.owned_faces; ++f)
-      if (first <= ahead_.labels[f] && ahead_.labels[f] < end) faces.push_back(f);
-    CellMesh part = cell_of_faces(ahead_, faces, model_.halo_rings(level_));
-    for (std::uint32_t& label : part.labels) label -= first;
+  // A part holds the groups from one of `starts` up to the next.
+  std::vector<std::vector<std::uint32_t>> faces_of_parts(const std::vector<std::uint32_t>& starts) const {
+    std::vector<std::uint32_t> part_of;  // by group
+    for (std::uint32_t part = 0; part + 1 < starts.size(); ++part) part_of.resize(starts[part + 1], part);
+    std::vector<std::vector<std::uint32_t>> faces(starts.size() - 1);
+    for (std::uint32_t f = 0; f < ahead_.owned_faces; ++f) faces[part_of[ahead_.labels[f]]].push_back(f);
+    return faces;
+  }
+
+  // With its halo, and groups labelled anew from 0 on.
+  Lookahead part(std::span<const std::uint32_t> faces, std::uint32_t first_group,
+                 const VertexFaces& faces_around) const {
+    CellMesh part = cell_of_faces(ahead_, faces, model_.halo_rings(level_), faces_around);
+    for (std::uint32_t& label : part.labels) label -= first_group;
     return {*this, std::move(part)};
   }
 
@@ -101,13 +111,28 @@ class Lookahead {
     bool is_refined = !is_displaced_later();
     while (true) {
       std::vector<std::uint8_t> wanted;
-      is_final_ = is_final_ || level_ == model_.levels() || freeze_vertices(model_, ahead_, level_, &wanted);
+      is_final_ = is_final_ || level_ == model_.levels() || freeze(groups, wanted);
       if (is_final_ || ahead_.owned_faces >= most_faces_) break;
       if (is_refined && bound_fine_groups(groups, wanted)) return;
       apply_step();
       is_refined = true;
     }
     add_bounds(groups, std::vector<bool>(groups.size(), true));
+  }
+
+  // Where levels fade, a vertex is drawn towards the place where it was shown, which has to be known then.
+  bool freeze(std::span<Outlook> groups, std::vector<std::uint8_t>& wanted) {
+    if (fades(ahead_)) return freeze_vertices(model_, ahead_, level_, &wanted);
+    std::vector<Bounds3d> frozen;  // by vertex
+    const bool is_final = freeze_in_boxes(model_, ahead_, level_, &wanted, [&](std::uint32_t v, const Bounds3d& box) {
+      frozen.resize(ahead_.mesh.vertex_count());
+      frozen[v] = box.inflated(Vec3d(2 * model_.quantum().step()));
+    });
+    if (frozen.empty()) return is_final;
+    for (std::uint32_t f = 0; f < ahead_.owned_faces; ++f)
+      for (std::uint32_t v : ahead_.mesh.corners(f))
+        if (!frozen[v].empty()) groups[ahead_.labels[f]].bounds.extend(frozen[v]);
+    return is_final;
   }
 
   // Bounds groups whose vertices want no more refinements than analysis may carry, and takes them out of the mesh, if

@@ -97,7 +97,8 @@ std::optional<Smoothing> Model::smoothing(int level) const {
   return Smoothing{*scheme, is_refined, quantum_};
 }
 
-double Model::growth_reach(const FaceOrigin& origin, const Bounds3d& face, double radius, int level) const {
+double Model::growth_reach(const FaceOrigin& origin, const Bounds3d& face, double radius, int level,
+                           double enough) const {
   Extent e = base_extent_;
   e.box = face;
   e.edge = 2 * radius;
@@ -106,8 +107,11 @@ double Model::growth_reach(const FaceOrigin& origin, const Bounds3d& face, doubl
   for (std::size_t i = 0; i < range.parameters.size(); ++i)
     range.parameters[i] = {origin.parameters[i], origin.parameters[i]};
   e.symbols = {range};
-  const Bounds3d after = final_bounds(*this, e, level);
-  return std::max(max_component(face.lower - after.lower), max_component(after.upper - face.upper));
+  const auto reach = [&](const Bounds3d& after) {
+    return std::max(max_component(face.lower - after.lower), max_component(after.upper - face.upper));
+  };
+  for (; level < levels() && reach(e.box) <= enough; ++level) e = step(level).bound(e);
+  return reach(final_bounds(*this, e, levels()));
 }
 
 int Model::trailing_refinements(int level) const {

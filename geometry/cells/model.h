@@ -47,8 +47,9 @@ class Model {
   // An upper bound on the final faces of one face before step `level`; at most 1e18.
   double estimated_faces(std::uint32_t corners, std::int32_t symbol, int level) const;
   // An upper bound on how far anything that will ever grow on a face reaches beyond it, from `level` on. `radius`: of
-  // its corners around its centroid. Some 10 us.
-  double growth_reach(const FaceOrigin& origin, const Bounds3d& face, double radius, int level) const;
+  // its corners around its centroid. Where it is more than `enough`, any number above that. Some microseconds a level.
+  double growth_reach(const FaceOrigin& origin, const Bounds3d& face, double radius, int level,
+                      double enough = INFINITY) const;
   // What the steps from `level` on may still add, where the local scale before them is `scale`: the sum of their
   // longest displacements. An estimate: that refinement halves the scale is not exact. From a table.
   double remaining_offset(int level, double scale) const;

@@ -2,6 +2,8 @@
 // for each index.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -11,6 +13,12 @@ namespace meristem {
 
 class Numbering {
  public:
+  // For about so many indices.
+  explicit Numbering(std::size_t expected = 64)
+      : slots_(std::bit_ceil(std::max(2 * expected, std::size_t(128))), none) {
+    indices_.reserve(expected);
+  }
+
   struct Added {
     std::uint32_t number;
     bool is_new;
@@ -41,7 +49,7 @@ class Numbering {
     for (std::uint32_t i = 0; i < indices_.size(); ++i) slot_of(indices_[i]) = i;
   }
 
-  std::vector<std::uint32_t> slots_ = std::vector<std::uint32_t>(128, none);  // numbers
+  std::vector<std::uint32_t> slots_;  // numbers
   std::vector<std::uint32_t> indices_;
 };
 

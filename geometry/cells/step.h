@@ -18,6 +18,8 @@
 
 namespace meristem {
 
+class VertexFaces;
+
 // A mesh with a border region: faces [0, owned_faces) are the cell's own, the others its halo. `rings[f]` is the
 // distance of face f from the owned ones by shared vertices (0 for these, 1 for those that touch one, ...). An eager or
 // base mesh has no halo.
@@ -105,6 +107,9 @@ class Step {
 // faces beyond are dropped, as are vertices that no face uses. Computes rings[]; faces stay in order but are sorted by
 // ring (stable).
 CellMesh cell_of_faces(const CellMesh& cell, std::span<const std::uint32_t> owned, int max_ring);
+// The same, linear in what is cut out instead of in the whole.
+CellMesh cell_of_faces(const CellMesh& cell, std::span<const std::uint32_t> owned, int max_ring,
+                       const VertexFaces& faces_around);
 
 // Drops what lies beyond so many rings of the owned faces, in the same way.
 void trim_halo(CellMesh& cell, int max_ring);

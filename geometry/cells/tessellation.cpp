@@ -39,24 +39,9 @@ void find_vertex_normals(const Mesh& mesh, Vec3d* normals) {
   unit_normals(sums.span(), normals);
 }
 
-// Of a mesh that may have faces of any size: the vertices that come of its own when it is refined once are on the same
-// limit.
-LimitSurface limit_of_cage(const CellMesh& cell, const Smoothing& smoothing) {
-  const auto plan = shared_refine_plan(cell.mesh, cell.owned_faces, 1, smoothing.scheme);
-  const RefinedMesh refined = refine(cell.mesh, *plan, smoothing.quantum, 0);
-  const LimitSurface limit = limit_surface(refined.mesh, plan->owned_faces, smoothing.scheme);
-  LimitSurface surface{std::vector<Vec3d>(cell.mesh.vertex_count()), std::vector<Vec3d>(cell.mesh.vertex_count())};
-  for (const RefinePlan::VertexVertex& v : plan->vertex_vertices) {
-    if (v.out >= plan->kept_vertices) continue;
-    surface.positions[v.vertex] = limit.positions[v.out];
-    surface.normals[v.vertex] = limit.normals[v.out];
-  }
-  return surface;
-}
-
 LimitSurface limit_of(const CellMesh& cell, const Smoothing& smoothing) {
   return smoothing.is_refined ? limit_surface(cell.mesh, cell.owned_faces, smoothing.scheme)
-                              : limit_of_cage(cell, smoothing);
+                              : limit_surface_of_cage(cell.mesh, cell.owned_faces, smoothing.scheme, smoothing.quantum);
 }
 
 // The surface that is shown, and where its u, v lie: the mesh's own arrays where it is shown as it is.
@@ -275,9 +260,8 @@ LimitSurface shown_surface(const CellMesh& cell, const std::optional<Smoothing>&
 }
 
 std::size_t Tessellation::bytes() const {
-  return capacity_bytes(positions) + capacity_bytes(attributes) + capacity_bytes(grids) +
-         capacity_bytes(triangles) + capacity_bytes(triangle_sources) + capacity_bytes(leaves) +
-         capacity_bytes(origins);
+  return capacity_bytes(positions) + capacity_bytes(attributes) + capacity_bytes(grids) + capacity_bytes(triangles) +
+         capacity_bytes(triangle_sources) + capacity_bytes(leaves) + capacity_bytes(origins);
 }
 
 Bounds3f Tessellation::bounds() const {

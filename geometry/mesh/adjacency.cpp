@@ -43,6 +43,7 @@ void Adjacency::find_edges(const Mesh& mesh) {
   first_edge_.assign(mesh.vertex_count(), none);
   corner_edges_.resize(mesh.corner_vertices.size());
   edges_.reserve(mesh.corner_vertices.size() / 2 + 16);
+  next_edge_.reserve(mesh.corner_vertices.size());
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     const auto corners = mesh.corners(f);
     for (std::size_t i = 0; i < corners.size(); ++i)

@@ -4,7 +4,7 @@
 #include "geometry/mesh/adjacency.h"
 #include "geometry/mesh/crease.h"
 #include "geometry/mesh/plan_table.h"
-#include "geometry/mesh/quantum.h"
+#include "geometry/mesh/refine.h"
 
 #include <algorithm>
 #include <span>
@@ -17,12 +17,14 @@ using Rule = RefinePlan::Rule;
 
 class LimitPlanBuilder {
  public:
-  LimitPlanBuilder(const Mesh& mesh, std::uint32_t owned_faces, const RefineOptions& options)
+  // Of those vertices of the owned faces for which wants(vertex) holds.
+  template <class Wants>
+  LimitPlanBuilder(const Mesh& mesh, std::uint32_t owned_faces, const RefineOptions& options, const Wants& wants)
       : mesh_(mesh), adjacency_(mesh), sharpness_(mesh, adjacency_, options) {
     plan_.scheme = options.scheme;
     std::vector<bool> seen(mesh.vertex_count(), false);
     for (std::uint32_t v : std::span(mesh.corner_vertices).first(mesh.face_starts[owned_faces])) {
-      if (!seen[v]) add_vertex(v);
+      if (!seen[v] && wants(v)) add_vertex(v);
       seen[v] = true;
     }
   }
@@ -330,7 +332,8 @@ std::size_t LimitPlan::bytes() const {
 
 std::shared_ptr<const LimitPlan> make_limit_plan(const Mesh& mesh, std::uint32_t owned_faces,
                                                  const RefineOptions& options) {
-  return std::make_shared<const LimitPlan>(LimitPlanBuilder(mesh, owned_faces, options).take());
+  return std::make_shared<const LimitPlan>(
+      LimitPlanBuilder(mesh, owned_faces, options, [](std::uint32_t) { return true; }).take());
 }
 
 namespace {
@@ -353,6 +356,26 @@ LimitSurface limit_surface(const Mesh& mesh, std::uint32_t owned_faces, const Re
   const auto plan = plan_table().get(shape_name(mesh, owned_faces, options.bits()),
                                      [&] { return make_limit_plan(mesh, owned_faces, options); });
   return limit_surface(mesh, *plan);
+}
+
+LimitSurface limit_surface_of_cage(const Mesh& cage, std::uint32_t owned_faces, const RefineOptions& options,
+                                   const Quantum& quantum) {
+  constexpr std::uint64_t of_cage = 256;  // beside the bits of options
+  const auto refinement = shared_refine_plan(cage, owned_faces, 1, options);
+  const Mesh refined = refine(cage, *refinement, quantum, 0).mesh;
+  const auto plan = plan_table().get(shape_name(cage, owned_faces, options.bits() | of_cage), [&] {
+    const auto comes_of_vertex = [&](std::uint32_t v) { return refinement->kinds[v] == VertexKind::Vertex; };
+    return std::make_shared<const LimitPlan>(
+        LimitPlanBuilder(refined, refinement->owned_faces, options, comes_of_vertex).take());
+  });
+  const LimitSurface limit = limit_surface(refined, *plan);
+  LimitSurface surface{std::vector<Vec3d>(cage.vertex_count()), std::vector<Vec3d>(cage.vertex_count())};
+  for (const RefinePlan::VertexVertex& v : refinement->vertex_vertices) {
+    if (v.out >= refinement->kept_vertices) continue;
+    surface.positions[v.vertex] = limit.positions[v.out];
+    surface.normals[v.vertex] = limit.normals[v.out];
+  }
+  return surface;
 }
 
 }  // namespace meristem

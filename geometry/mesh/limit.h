@@ -12,6 +12,7 @@
 // Cost: about 60 ns a vertex with tables from another mesh of the same shape; without, some 200 ns more.
 #pragma once
 
+#include "geometry/mesh/quantum.h"
 #include "geometry/mesh/refine_plan.h"
 
 #include <memory>
@@ -19,7 +20,7 @@
 
 namespace meristem {
 
-// The neighbours of every vertex of the owned faces, counter-clockwise. Follows from topology and creases alone.
+// The neighbours of vertices of the owned faces, counter-clockwise. Follows from topology and creases alone.
 struct LimitPlan {
   // A smooth vertex of four quads (ends of its edges 0 to 3, then the opposite corners of its faces; face i lies
   // between edges i and i + 1) or six triangles (ends of its edges).
@@ -56,6 +57,11 @@ LimitSurface limit_surface(const Mesh& mesh, const LimitPlan& plan);
 // The same with a plan from a table by shape, shared by all threads. The mesh must be one that the scheme's refinement
 // makes (all quads, all triangles), its positions on a grid, its halo one complete ring around the owned faces.
 LimitSurface limit_surface(const Mesh& mesh, std::uint32_t owned_faces, const RefineOptions& options);
+
+// Of a mesh with faces of any size, whose halo is such that it can be refined: it is refined once, where the vertices
+// that come of its own lie on the same limit, and only these are evaluated.
+LimitSurface limit_surface_of_cage(const Mesh& cage, std::uint32_t owned_faces, const RefineOptions& options,
+                                   const Quantum& quantum);
 // What that table holds.
 std::size_t limit_plan_bytes();
 // How much it may hold; see PlanTable.

@@ -10,11 +10,6 @@ namespace meristem {
 
 namespace {
 
-template <class T>
-std::size_t capacity_bytes(const std::vector<T>& v) {
-  return v.capacity() * sizeof(T);
-}
-
 // Whether the faces around vertex v form one fan (a disk or a half disk): walks from face to face over shared edges.
 bool is_single_fan(const Adjacency& adjacency, std::uint32_t v) {
   const auto faces = adjacency.faces_of_vertex(v);
@@ -46,12 +41,26 @@ std::string face_defect(const Mesh& mesh, std::uint32_t f) {
 
 }  // namespace
 
+namespace {
+
+// Calls visit(list) for every array of a mesh.
+template <class Mesh, class Visit>
+void for_each_array(Mesh& m, const Visit& visit) {
+  const auto all = [&](auto&... lists) { (visit(lists), ...); };
+  all(m.face_starts, m.corner_vertices, m.face_keys, m.face_origins, m.enlargements, m.corner_uv, m.corner_sharpness,
+      m.positions, m.vertex_keys, m.uv, m.vertex_sharpness, m.nominal_scale, m.frozen, m.fading, m.origins);
+}
+
+}  // namespace
+
 std::size_t Mesh::bytes() const {
-  return capacity_bytes(face_starts) + capacity_bytes(corner_vertices) + capacity_bytes(face_keys) +
-         capacity_bytes(face_origins) + capacity_bytes(corner_uv) + capacity_bytes(corner_sharpness) +
-         capacity_bytes(positions) + capacity_bytes(vertex_keys) + capacity_bytes(uv) +
-         capacity_bytes(vertex_sharpness) + capacity_bytes(nominal_scale) + capacity_bytes(frozen) +
-         capacity_bytes(fading) + capacity_bytes(enlargements) + capacity_bytes(origins);
+  std::size_t sum = 0;
+  for_each_array(*this, [&](const auto& list) { sum += list.capacity() * sizeof(list[0]); });
+  return sum;
+}
+
+void Mesh::shrink_to_fit() {
+  for_each_array(*this, [](auto& list) { list.shrink_to_fit(); });
 }
 
 std::uint32_t Mesh::add_face(std::span<const std::uint32_t> vertices, Key key, std::uint32_t origin) {

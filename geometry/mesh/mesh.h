@@ -77,6 +77,7 @@ struct Mesh {
     return {corner_vertices.data() + face_starts[f], corner_count(f)};
   }
   std::size_t bytes() const;
+  void shrink_to_fit();
 
   // Appends a face without attributes of corners; returns its index.
   std::uint32_t add_face(std::span<const std::uint32_t> vertices, Key key, std::uint32_t origin);

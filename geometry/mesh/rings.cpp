@@ -1,6 +1,7 @@
 #include "geometry/mesh/rings.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace meristem {
 
@@ -23,6 +24,13 @@ void find_rings(const Mesh& mesh, std::vector<std::uint8_t>& rings, int max_ring
         if (touched[v]) rings[f] = std::uint8_t(ring);
     }
   }
+}
+
+VertexFaces::VertexFaces(const Mesh& mesh) : starts_(mesh.vertex_count() + 1, 0), faces_(mesh.corner_vertices.size()) {
+  for (std::uint32_t v : mesh.corner_vertices) ++starts_[v];
+  std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());  // now the ends of rows, which fill from there
+  for (std::uint32_t f = mesh.face_count(); f-- > 0;)
+    for (std::uint32_t v : mesh.corners(f)) faces_[--starts_[v]] = f;
 }
 
 }  // namespace meristem

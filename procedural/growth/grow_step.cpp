@@ -111,6 +111,12 @@ class GrowStep::Application {
     o.nominal_scale = m.nominal_scale;
     o.frozen = m.frozen;
     o.fading = m.fading;
+    o.face_starts.reserve(m.face_starts.size());
+    o.corner_vertices.reserve(m.corner_vertices.size());
+    o.corner_uv.reserve(m.corner_uv.size());
+    o.face_keys.reserve(m.face_keys.size());
+    o.face_origins.reserve(m.face_origins.size());
+    o.origins.reserve(m.origins.size());
     has_sharpness_ = !m.corner_sharpness.empty();
     step.rules_->for_each([&](const Production& p) { has_sharpness_ = has_sharpness_ || p.crease() > 0; });
     kept_origins_.assign(m.origins.size(), unused);

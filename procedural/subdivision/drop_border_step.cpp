@@ -1,6 +1,7 @@
 #include "procedural/subdivision/drop_border_step.h"
 
 #include "geometry/cells/gather.h"
+#include "geometry/mesh/adjacency.h"
 
 #include <algorithm>
 
@@ -19,7 +20,7 @@ void DropBorderStep::apply(const CellMesh& in, int rings_after, CellMesh& out) c
     kept.push_back(f);
     if (!in.labels.empty()) labels.push_back(in.labels[f]);
   }
-  out = gather_cell(in.mesh, adjacency, kept, rings_after);
+  out = gather_cell(in.mesh, VertexFaces(in.mesh), kept, rings_after);
   out.labels = std::move(labels);
 }
 

@@ -81,5 +81,29 @@ TEST(LevelOfDetail, FrozenVerticesOfASmoothModelLieOnItsLimitSurface) {
   }
 }
 
+TEST(LevelOfDetail, BoxesHoldWhereFrozenVerticesAreShown) {
+  const PointFootprint near({2, 0, 0}, 0.3);
+  for (const Mesh& cage : {shapes::cube(), shapes::prism(7)}) {
+    const auto model = bumpy_model(cage, 7, 0, small_cells);
+    CellMesh cell = root_cell(*model, &near);
+    std::map<std::uint32_t, Bounds3d> boxes;
+    for (int level = 0; boxes.empty() && level < 4; ++level) {
+      CellMesh in_boxes = cell;
+      freeze_in_boxes(*model, in_boxes, level, nullptr,
+                      [&](std::uint32_t v, const Bounds3d& box) { boxes[v] = box.inflated(Vec3d(1e-6)); });
+      freeze_vertices(*model, cell, level);
+      for (std::uint32_t v = 0; v < cell.mesh.frozen.size(); ++v) {
+        ASSERT_EQ(cell.mesh.frozen[v].is_frozen, boxes.count(v) > 0);
+        EXPECT_TRUE(!boxes.count(v) || boxes[v].contains(Vec3d(cell.mesh.frozen[v].position)));
+      }
+      CellMesh next;
+      model->step(level).apply(cell, model->halo_rings(level + 1), next);
+      next.footprint = &near;
+      cell = std::move(next);
+    }
+    EXPECT_FALSE(boxes.empty());
+  }
+}
+
 }  // namespace
 }  // namespace meristem

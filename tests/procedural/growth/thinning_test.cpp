@@ -96,6 +96,20 @@ TEST(GrowthThinning, AFieldAsSmallAsAnythingIsNotGrown) {
   EXPECT_EQ(look_at(field, &huge).grown_from.size(), 0u);
 }
 
+TEST(GrowthReach, IsMoreThanEnoughExactlyWhereTheWholeIs) {
+  const Field field(clusters, "green");
+  const Mesh& mesh = field.model->base().mesh;
+  Bounds3d face;
+  for (std::uint32_t v : mesh.corners(0)) face.extend(mesh.positions[v]);
+  const auto reach = [&](double enough) {
+    return field.model->growth_reach(mesh.origins[mesh.face_origins[0]], face, 0.5 * face.diagonal(), 0, enough);
+  };
+  const double whole = reach(INFINITY);
+  EXPECT_GT(whole, 0);
+  for (double share : {0.0, 0.3, 0.7, 0.999}) EXPECT_GT(reach(share * whole), share * whole) << share;
+  for (double share : {1.001, 2.0}) EXPECT_EQ(reach(share * whole), whole) << share;
+}
+
 TEST(GrowthThinning, MistakesAreNamed) {
   const auto messages = [](const std::string& thinning) {
     return Derivation(R"json({ "type": "box" })json",
