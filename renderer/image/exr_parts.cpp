@@ -2,30 +2,23 @@
 
 #include "geometry/base/check.h"
 #include "geometry/base/parallel.h"
-#include "renderer/image/half_bits.h"
 
-#include <zlib.h>
+#include <OpenEXR/openexr.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
-#include <new>
-#include <numeric>
-#include <string_view>
+#include <exception>
+#include <span>
 
 namespace meristem {
 
 namespace {
 
 constexpr float max_half = 65504.0f;
-constexpr int block_rows = 16;    // that are compressed together
-constexpr int deflate_level = 4;  // OpenEXR's own: 6 takes twice the time for a percent
-constexpr std::size_t short_name = 31;
-
-static_assert(std::endian::native == std::endian::little, "EXR files hold numbers as they lie in memory");
+constexpr int deflate_level = 4;  // 6 takes twice the time for a percent
 
 void check_part(const ExrPart& part, const Image& first) {
   const Image& image = part.image;
@@ -36,149 +29,164 @@ void check_part(const ExrPart& part, const Image& first) {
         "part {} has {} values", part.name, image.pixels.size());
 }
 
-template <class T>
-void put(std::string& bytes, T value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
-}
-void put_name(std::string& bytes, std::string_view name) { bytes.append(name).push_back('\0'); }
-
-// Channels stand in the order of their names.
-std::vector<std::size_t> file_order(const std::vector<std::string>& channels) {
-  std::vector<std::size_t> order(channels.size());
-  std::iota(order.begin(), order.end(), std::size_t(0));
-  std::ranges::sort(order, {}, [&](std::size_t i) -> const std::string& { return channels[i]; });
-  return order;
+// Clamps to the range of a half and counts what changes. NaN stays.
+std::vector<float> clamped(std::span<const float> values, std::size_t& outside) {
+  std::vector<float> result(values.begin(), values.end());
+  for (float& value : result)
+    if (std::abs(value) > max_half) {
+      value = std::copysign(max_half, value);
+      ++outside;
+    }
+  return result;
 }
 
-// The attributes of one part.
-class Header {
- public:
-  Header(const ExrPart& part, const ExrFrame& frame, const Metadata& metadata, bool is_one_of_several) {
-    const Image& image = part.image;
-    add("channels", "chlist", channel_list(part));
-    add("compression", "compression", std::string(1, '\3'));  // "zip": blocks of 16 rows
-    add("dataWindow", "box2i", values(frame.x, frame.y, frame.x + image.width - 1, frame.y + image.height - 1));
-    add("displayWindow", "box2i", values(0, 0, frame.full_width - 1, frame.full_height - 1));
-    add("lineOrder", "lineOrder", std::string(1, '\0'));
-    add("pixelAspectRatio", "float", values(1.0f));
-    add("screenWindowCenter", "v2f", values(0.0f, 0.0f));
-    add("screenWindowWidth", "float", values(1.0f));
-    // Rec.709 primaries and the white D65 (ITU-R BT.709-6, item 1.3)
-    if (part.color)
-      add("chromaticities", "chromaticities", values(0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f));
-    if (!part.name.empty()) add("name", "string", part.name);
-    if (is_one_of_several) {
-      add("type", "string", "scanlineimage");
-      add("chunkCount", "int", values((image.height + block_rows - 1) / block_rows));
-    }
-    for (const Metadata& list : {metadata, part.metadata})
-      for (const auto& [name, value] : list) add(name == "DateTime" ? "capDate" : name, "string", value);
-    bytes_ += '\0';
+std::int64_t append(exr_const_context_t, void* file, const void* data, std::uint64_t size, std::uint64_t offset,
+                    exr_stream_error_func_ptr_t) {
+  std::string& bytes = *static_cast<std::string*>(file);
+  try {
+    bytes.resize(std::max(bytes.size(), std::size_t(offset + size)));
+  } catch (const std::exception&) {
+    return -1;
   }
+  std::memcpy(&bytes[offset], data, size);
+  return std::int64_t(size);
+}
 
-  const std::string& bytes() const { return bytes_; }
-  bool has_long_names() const { return has_long_names_; }
+// What compresses a block, with its memory.
+struct Encoder {
+  explicit Encoder(exr_const_context_t file) : context(file) {}
+  ~Encoder() { exr_encoding_destroy(context, &pipeline); }
+  Encoder(const Encoder&) = delete;
+  Encoder& operator=(const Encoder&) = delete;
 
- private:
-  template <class... T>
-  static std::string values(T... value) {
-    std::string bytes;
-    (put(bytes, value), ...);
-    return bytes;
-  }
-
-  std::string channel_list(const ExrPart& part) {
-    std::string bytes;
-    for (const std::size_t c : file_order(part.channels)) {
-      note_name(part.channels[c]);
-      put_name(bytes, part.channels[c]);
-      put(bytes, std::int32_t(part.half ? 1 : 2));
-      put(bytes, std::int32_t(0));  // perceived as it is linear
-      put(bytes, std::int32_t(1));  // every column and
-      put(bytes, std::int32_t(1));  // every row
-    }
-    return bytes += '\0';
-  }
-  void add(const std::string& name, std::string_view type, std::string_view value) {
-    note_name(name);
-    put_name(bytes_, name);
-    put_name(bytes_, type);
-    put(bytes_, std::int32_t(value.size()));
-    bytes_.append(value);
-  }
-  void note_name(const std::string& name) { has_long_names_ = has_long_names_ || name.size() > short_name; }
-
-  std::string bytes_;
-  bool has_long_names_ = false;
+  exr_const_context_t context;
+  exr_encode_pipeline_t pipeline{};
 };
 
-// The rows of a block as the file has them: row by row, channel by channel. Counts what was clamped.
-std::string block_values(const ExrPart& part, int first_row, int last_row, std::size_t& outside) {
-  const Image& image = part.image;
-  const auto width = std::size_t(image.width), channels = std::size_t(image.channels);
-  std::string bytes(width * channels * std::size_t(last_row - first_row) * (part.half ? 2 : 4), '\0');
-  char* out = bytes.data();
-  const std::vector<std::size_t> order = file_order(part.channels);
-  for (int y = first_row; y < last_row; ++y)
-    for (const std::size_t c : order) {
-      const float* value = &image.pixels[std::size_t(y) * width * channels + c];
-      for (std::size_t x = 0; x < width; ++x, value += channels)
-        if (part.half) {
-          const float clamped = std::isnan(*value) ? *value : std::clamp(*value, -max_half, max_half);
-          outside += clamped < *value || clamped > *value;
-          const std::uint16_t half = half_bits(clamped);
-          std::memcpy(out, &half, sizeof(half));
-          out += sizeof(half);
-        } else {
-          std::memcpy(out, value, sizeof(*value));
-          out += sizeof(*value);
-        }
-    }
-  return bytes;
-}
-
-// First the even bytes, then the odd ones; of each its difference from the one before.
-std::string prepared(const std::string& bytes) {
-  std::string result(bytes.size(), '\0');
-  const std::size_t half = (bytes.size() + 1) / 2;
-  for (std::size_t i = 0; i < bytes.size(); ++i) result[i / 2 + (i % 2 ? half : 0)] = bytes[i];
-  std::uint8_t before = 0;
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    const auto here = std::uint8_t(result[i]);
-    if (i > 0) result[i] = char(here - before + 128);
-    before = here;
+// A file that is made in memory: first all headers, then of each part all blocks.
+class ExrFile {
+ public:
+  explicit ExrFile(const std::string& path) : path_(path) {
+    exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    options.error_handler_fn = [](exr_const_context_t, exr_result_t, const char*) {};  // else it prints them
+    options.user_data = &bytes_;
+    options.write_fn = append;
+    options.zip_level = deflate_level;
+    check(exr_start_write(&context_, path.c_str(), EXR_WRITE_FILE_DIRECTLY, &options));
   }
-  return result;
-}
+  ~ExrFile() { exr_finish(&context_); }
+  ExrFile(const ExrFile&) = delete;
+  ExrFile& operator=(const ExrFile&) = delete;
 
-// As they are if that is no longer.
-std::string compressed(std::string bytes) {
-  const std::string source = prepared(bytes);
-  uLongf size = ::compressBound(uLong(source.size()));
-  std::string result(size, '\0');
-  if (::compress2(reinterpret_cast<Bytef*>(result.data()), &size, reinterpret_cast<const Bytef*>(source.data()),
-                  uLong(source.size()), deflate_level) != Z_OK)
-    throw std::bad_alloc();
-  if (size >= bytes.size()) return bytes;
-  result.resize(size);
-  return result;
-}
+  void add_header(const ExrPart& part, const ExrFrame& frame);
+  void add_text(int part_index, const Metadata& metadata);
+  void end_headers(int part_count);
+  // Returns how many values were clamped.
+  std::size_t add_blocks(int part_index, const ExrPart& part, int first_row);
 
-std::string headers_of(const std::vector<ExrPart>& parts, const ExrFrame& frame, const Metadata& metadata) {
-  const bool are_several = parts.size() > 1;
-  std::string headers;
-  bool has_long_names = false;
-  for (const ExrPart& part : parts) {
-    const Header header(part, frame, &part == &parts[0] ? metadata : Metadata{}, are_several);
-    headers += header.bytes();
-    has_long_names = has_long_names || header.has_long_names();
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  void check(exr_result_t result) const {
+    if (result != EXR_ERR_SUCCESS)
+      throw FileError(fmt::format("cannot write {}: {}", path_, exr_get_default_error_message(result)));
   }
-  if (are_several) headers += '\0';
-  constexpr std::uint32_t magic = 20000630, version = 2, long_names = 0x400, several_parts = 0x1000;
-  std::string result;
-  put(result, magic);
-  put(result, version | (has_long_names ? long_names : 0) | (are_several ? several_parts : 0));
-  return result + headers;
+  std::string encoded(const exr_chunk_info_t& block, int part_index, const ExrPart& part, const float* values) const;
+
+  const std::string& path_;
+  std::string bytes_;
+  exr_context_t context_ = nullptr;
+};
+
+void ExrFile::add_header(const ExrPart& part, const ExrFrame& frame) {
+  int index = 0;
+  check(exr_set_longname_support(context_, 1));
+  check(exr_add_part(context_, part.name.c_str(), EXR_STORAGE_SCANLINE, &index));
+  const exr_attr_box2i_t full{{0, 0}, {frame.full_width - 1, frame.full_height - 1}};
+  const exr_attr_box2i_t data{{frame.x, frame.y}, {frame.x + part.image.width - 1, frame.y + part.image.height - 1}};
+  const exr_attr_v2f_t center{0, 0};
+  check(exr_initialize_required_attr(context_, index, &full, &data, 1, &center, 1, EXR_LINEORDER_INCREASING_Y,
+                                     EXR_COMPRESSION_ZIP));
+  for (const std::string& channel : part.channels)
+    check(exr_add_channel(context_, index, channel.c_str(), part.half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT,
+                          EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
+  // Rec.709 primaries and the white D65 (ITU-R BT.709-6, item 1.3)
+  const exr_attr_chromaticities_t rec709{0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
+  if (part.color) check(exr_attr_set_chromaticities(context_, index, "chromaticities", &rec709));
+  add_text(index, part.metadata);
+}
+
+void ExrFile::add_text(int part_index, const Metadata& metadata) {
+  for (const auto& [name, value] : metadata)
+    check(exr_attr_set_string(context_, part_index, name == "DateTime" ? "capDate" : name.c_str(), value.c_str()));
+}
+
+void ExrFile::end_headers(int part_count) {
+  exr_set_longname_support(context_, 0);  // refused if some name needs it
+  check(exr_write_header(context_));
+  // Room for blocks that cannot be compressed, and their places in the file: what stays unused takes no memory, and
+  // growing would take twice as much.
+  constexpr std::size_t place_bytes = 20;
+  std::size_t most = bytes_.size();
+  for (int i = 0; i < part_count; ++i) {
+    int count = 0;
+    std::uint64_t block_bytes = 0;
+    check(exr_get_chunk_count(context_, i, &count));
+    check(exr_get_chunk_unpacked_size(context_, i, &block_bytes));
+    most += std::size_t(count) * (block_bytes + place_bytes);
+  }
+  bytes_.reserve(most);
+}
+
+// Compressed, of `values` from the block's first on.
+std::string ExrFile::encoded(const exr_chunk_info_t& block, int part_index, const ExrPart& part,
+                             const float* values) const {
+  Encoder encoder{context_};
+  exr_encode_pipeline_t& pipeline = encoder.pipeline;
+  check(exr_encoding_initialize(context_, part_index, &block, &pipeline));
+  for (exr_coding_channel_info_t& channel : std::span(pipeline.channels, std::size_t(pipeline.channel_count))) {
+    const auto place = std::ranges::find(part.channels, channel.channel_name) - part.channels.begin();
+    channel.user_data_type = EXR_PIXEL_FLOAT;
+    channel.user_bytes_per_element = sizeof(float);
+    channel.user_pixel_stride = part.image.channels * int(sizeof(float));
+    channel.user_line_stride = part.image.width * channel.user_pixel_stride;
+    channel.encode_from_ptr = reinterpret_cast<const std::uint8_t*>(values + place);
+  }
+  check(exr_encoding_choose_default_routines(context_, part_index, &pipeline));
+  pipeline.yield_until_ready_fn = nullptr;
+  pipeline.write_fn = nullptr;
+  check(exr_encoding_run(context_, part_index, &pipeline));
+  // Readers take a block that is as long as its values for not compressed; version 3.1.5 forgets that.
+  if (pipeline.compressed_bytes < pipeline.packed_bytes)
+    return {static_cast<const char*>(pipeline.compressed_buffer), pipeline.compressed_bytes};
+  return {static_cast<const char*>(pipeline.packed_buffer), pipeline.packed_bytes};
+}
+
+// Compressed on all threads, then handed over in the order that the library wants.
+std::size_t ExrFile::add_blocks(int part_index, const ExrPart& part, int first_row) {
+  int count = 0, rows = 0;
+  check(exr_get_chunk_count(context_, part_index, &count));
+  check(exr_get_scanlines_per_chunk(context_, part_index, &rows));
+  std::vector<std::string> blocks;
+  blocks.resize(std::size_t(count));
+  std::atomic<std::size_t> outside{0};
+  const std::size_t row_values = std::size_t(part.image.width) * part.channels.size();
+  parallel_for(blocks.size(), [&](std::size_t i) {
+    exr_chunk_info_t block{};
+    check(exr_write_scanline_chunk_info(context_, part_index, first_row + int(i) * rows, &block));
+    const std::span values(&part.image.pixels[i * std::size_t(rows) * row_values],
+                           std::size_t(block.height) * row_values);
+    std::size_t outside_here = 0;
+    blocks[i] = part.half ? encoded(block, part_index, part, clamped(values, outside_here).data())
+                          : encoded(block, part_index, part, values.data());
+    outside += outside_here;
+  });
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    check(
+        exr_write_scanline_chunk(context_, part_index, first_row + int(i) * rows, blocks[i].data(), blocks[i].size()));
+    std::string().swap(blocks[i]);
+  }
+  return outside;
 }
 
 }  // namespace
@@ -187,33 +195,13 @@ std::size_t write_exr_parts(const std::string& path, const std::vector<ExrPart>&
                             const Metadata& metadata) {
   CHECK(!parts.empty(), "an EXR file without parts");
   for (const ExrPart& part : parts) check_part(part, parts[0].image);
-  const int height = parts[0].image.height;
-  const std::size_t blocks = std::size_t((height + block_rows - 1) / block_rows);
-  std::vector<std::string> chunks(parts.size() * blocks);
-  std::atomic<std::size_t> outside{0};
-  parallel_for(chunks.size(), [&](std::size_t i) {
-    const int first_row = int(i % blocks) * block_rows;
-    std::size_t outside_here = 0;
-    const std::string bytes =
-        compressed(block_values(parts[i / blocks], first_row, std::min(first_row + block_rows, height), outside_here));
-    std::string& chunk = chunks[i];
-    if (parts.size() > 1) put(chunk, std::int32_t(i / blocks));
-    put(chunk, std::int32_t(frame.y + first_row));
-    put(chunk, std::int32_t(bytes.size()));
-    chunk += bytes;
-    outside += outside_here;
-  });
-
-  std::string head = headers_of(parts, frame, metadata);
-  std::uint64_t offset = head.size() + chunks.size() * sizeof(offset);
-  for (const std::string& chunk : chunks) {
-    put(head, offset);
-    offset += chunk.size();
-  }
-  AtomicFile file(path);
-  file.append(head);
-  for (const std::string& chunk : chunks) file.append(chunk);
-  file.commit();
+  ExrFile file(path);
+  for (const ExrPart& part : parts) file.add_header(part, frame);
+  file.add_text(0, metadata);
+  file.end_headers(int(parts.size()));
+  std::size_t outside = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) outside += file.add_blocks(int(i), parts[i], frame.y);
+  write_file(path, file.bytes());
   return outside;
 }
 

@@ -1,7 +1,7 @@
 // EXR files of one part or several: the picture and what else is known of each pixel. Every part has the same data
-// window. By the layout that OpenEXR documents ("OpenEXR File Layout"), rows from top to bottom, blocks of 16 of them
-// compressed by zlib, on all threads. Any thread; every error is a FileError that names the file; the file appears
-// whole or not at all.
+// window. By OpenEXR's core library, whose blocks of rows ("zip") are compressed on all threads; the bytes do not
+// depend on their number. Any thread; every error is a FileError that names the file; the file appears whole or not at
+// all.
 #pragma once
 
 #include "renderer/image/image.h"

@@ -59,7 +59,7 @@ std::size_t write_image(const std::string& path, const Image& image, const Metad
     return write_exr_parts(path, {{"", channel_names(image.channels), image, options.half, true}},
                            {0, 0, image.width, image.height}, metadata);
   if (format == ImageFormat::Png) {
-    write_file(path, encode_png(image, metadata, options.bits));
+    write_file(path, encode_png(path, image, metadata, options.bits));
     return 0;
   }
   const std::vector<unsigned char> bytes =

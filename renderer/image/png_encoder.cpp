@@ -1,198 +1,152 @@
 #include "renderer/image/png_encoder.h"
 
-#include <zlib.h>
+#include <fmt/format.h>
+#include <png.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <csetjmp>
 #include <cstdio>
-#include <cstdlib>
-#include <new>
-#include <string_view>
+#include <exception>
 
 namespace meristem {
 
 namespace {
 
-using namespace std::string_view_literals;
+// All that the file holds, and room for a row of it.
+struct Content {
+  const Image& image;
+  const int channels, bits;
+  Metadata metadata;
+  std::vector<png_text> texts;  // point into `metadata`
+  png_time time{};
+  bool has_time = false;
+  std::vector<png_byte> row;
+};
 
-void put(std::string& bytes, std::uint32_t value, int count = 4) {
-  while (count-- > 0) bytes += char(value >> (8 * count) & 255);
-}
-
-void put_chunk(std::string& file, std::string_view type, std::string_view content) {
-  put(file, std::uint32_t(content.size()));
-  const std::size_t start = file.size();
-  file.append(type).append(content);
-  put(file, std::uint32_t(::crc32(0, reinterpret_cast<const Bytef*>(&file[start]), uInt(file.size() - start))));
-}
-
-// The colour space sRGB, also in the words of programs that know none by name: gamma, white and primaries.
-void put_color_space(std::string& file) {
-  std::string gamma, points;
-  put(gamma, 45455);
-  for (const std::uint32_t x : {31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000}) put(points, x);
-  put_chunk(file, "gAMA", gamma);
-  put_chunk(file, "cHRM", points);
-  put_chunk(file, "sRGB", "\0"sv);
-}
+// Where the library's callbacks put what they are given.
+struct Output {
+  std::string bytes;
+  std::array<char, 100> reason{};  // of the error that ended it
+};
 
 // "2026:11:29 19:57:29", in UTC.
-void put_time(std::string& file, const std::string& text) {
+bool read_time(const std::string& text, png_time& time) {
   std::array<unsigned, 6> t{};
-  if (std::sscanf(text.c_str(), "%u:%u:%u %u:%u:%u", &t[0], &t[1], &t[2], &t[3], &t[4], &t[5]) != 6) return;
-  std::string content;
-  put(content, t[0], 2);
-  for (std::size_t i = 1; i < t.size(); ++i) put(content, t[i], 1);
-  put_chunk(file, "tIME", content);
+  if (std::sscanf(text.c_str(), "%u:%u:%u %u:%u:%u", &t[0], &t[1], &t[2], &t[3], &t[4], &t[5]) != 6) return false;
+  time = {png_uint_16(t[0]), png_byte(t[1]), png_byte(t[2]), png_byte(t[3]), png_byte(t[4]), png_byte(t[5])};
+  return true;
 }
 
-void put_text(std::string& file, const std::string& name, const std::string& value) {
-  constexpr std::size_t longest_name = 79;
-  std::string content = name.substr(0, longest_name) + '\0';
+png_text text_of(std::string& name, std::string& value) {
   const bool is_ascii = std::ranges::all_of(value, [](char c) { return std::uint8_t(c) < 128; });
-  if (!is_ascii) content.append("\0\0\0\0"sv);  // UTF-8: not compressed, no language, no other name
-  put_chunk(file, is_ascii ? "tEXt" : "iTXt", content + value);
+  png_text text{};
+  text.compression = is_ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE;  // the latter is in UTF-8
+  text.key = name.data();
+  text.text = value.data();
+  return text;
 }
-
-// Compressed rows as chunks of the file.
-class DataWriter {
- public:
-  explicit DataWriter(std::string& file) : file_(file) {
-    constexpr int level = 6;  // without Z_FILTERED, which makes noisy pictures an eighth larger
-    if (::deflateInit(&stream_, level) != Z_OK) throw std::bad_alloc();
-    begin_chunk();
-  }
-  ~DataWriter() { ::deflateEnd(&stream_); }
-  DataWriter(const DataWriter&) = delete;
-  DataWriter& operator=(const DataWriter&) = delete;
-
-  void add(std::string_view row) { run(row, Z_NO_FLUSH); }
-  void finish() {
-    run({}, Z_FINISH);
-    end_chunk();
-  }
-
- private:
-  void run(std::string_view bytes, int flush) {
-    stream_.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));  // zlib only reads it
-    stream_.avail_in = uInt(bytes.size());
-    int result = Z_OK;
-    do {
-      if (stream_.avail_out == 0) {
-        end_chunk();
-        begin_chunk();
-      }
-      result = ::deflate(&stream_, flush);
-    } while (stream_.avail_in > 0 || (flush == Z_FINISH && result != Z_STREAM_END));
-  }
-  void begin_chunk() {
-    stream_.next_out = reinterpret_cast<Bytef*>(chunk_.data());
-    stream_.avail_out = uInt(chunk_.size());
-  }
-  void end_chunk() {
-    const std::size_t size = chunk_.size() - stream_.avail_out;
-    if (size > 0) put_chunk(file_, "IDAT", {chunk_.data(), size});
-  }
-
-  std::string& file_;
-  z_stream stream_{};
-  std::string chunk_ = std::string(std::size_t(1) << 16, '\0');
-};
-
-int paeth(int left, int up, int corner) {
-  const int p = left + up - corner, a = std::abs(p - left), b = std::abs(p - up), c = std::abs(p - corner);
-  return a <= b && a <= c ? left : b <= c ? up : corner;
-}
-
-// Chooses for each row the filter whose differences are the least, as the standard advises (12.8).
-class RowFilter {
- public:
-  RowFilter(std::size_t row_bytes, std::size_t pixel_bytes)
-      : pixel_(pixel_bytes), above_(row_bytes, 0), best_(row_bytes + 1, '\0'), tried_(row_bytes + 1, '\0') {}
-
-  std::string_view filter(const std::vector<std::uint8_t>& row) {
-    std::uint64_t least = ~std::uint64_t(0);
-    for (int type = 0; type < 5; ++type) {
-      apply(type, row);
-      std::uint64_t sum = 0;
-      for (std::size_t i = 1; i < tried_.size(); ++i) sum += std::uint64_t(std::abs(int(std::int8_t(tried_[i]))));
-      if (sum >= least) continue;
-      least = sum;
-      std::swap(best_, tried_);
-    }
-    above_ = row;
-    return best_;
-  }
-
- private:
-  void apply(int type, const std::vector<std::uint8_t>& row) {
-    const auto with = [&](auto predict) {
-      tried_[0] = char(type);
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        const bool is_first = i < pixel_;
-        const int left = is_first ? 0 : row[i - pixel_], corner = is_first ? 0 : above_[i - pixel_];
-        tried_[i + 1] = char(row[i] - predict(left, int(above_[i]), corner));
-      }
-    };
-    switch (type) {
-      case 0: return with([](int, int, int) { return 0; });
-      case 1: return with([](int left, int, int) { return left; });
-      case 2: return with([](int, int up, int) { return up; });
-      case 3: return with([](int left, int up, int) { return (left + up) / 2; });
-      default: return with(paeth);
-    }
-  }
-
-  const std::size_t pixel_;
-  std::vector<std::uint8_t> above_;
-  std::string best_, tried_;
-};
 
 std::uint32_t step_of(float value, std::uint32_t last) {
   return value > 0 ? std::uint32_t(std::min(value, 1.0f) * float(last) + 0.5f) : 0;
 }
 
-void put_pixels(std::string& file, const Image& image, int channels, int bits) {
-  const std::size_t value_bytes = std::size_t(bits) / 8, pixel_bytes = value_bytes * std::size_t(channels);
-  const std::uint32_t last = (1u << bits) - 1;
-  std::vector<std::uint8_t> row(pixel_bytes * std::size_t(image.width));
-  RowFilter filter(row.size(), pixel_bytes);
-  DataWriter data(file);
-  const float* pixel = image.pixels.data();
-  for (int y = 0; y < image.height; ++y) {
-    auto out = row.begin();
-    for (int x = 0; x < image.width; ++x, pixel += image.channels)
-      for (int c = 0; c < channels; ++c) {
-        const std::uint32_t step = step_of(pixel[c], last);
-        if (value_bytes == 2) *out++ = std::uint8_t(step >> 8);
-        *out++ = std::uint8_t(step & 255);
-      }
-    data.add(filter.filter(row));
-  }
-  data.finish();
+void fill_row(Content& content, int y) {
+  const Image& image = content.image;
+  const std::uint32_t last = (1u << content.bits) - 1;
+  const float* pixel = &image.pixels[std::size_t(y) * std::size_t(image.width) * std::size_t(image.channels)];
+  png_byte* out = content.row.data();
+  for (int x = 0; x < image.width; ++x, pixel += image.channels)
+    for (int c = 0; c < content.channels; ++c) {
+      const std::uint32_t step = step_of(pixel[c], last);
+      if (content.bits == 16) *out++ = png_byte(step >> 8);
+      *out++ = png_byte(step & 255);
+    }
 }
+
+void append(png_structp png, png_bytep bytes, std::size_t size) {
+  bool has_room = true;
+  try {
+    static_cast<Output*>(png_get_io_ptr(png))->bytes.append(reinterpret_cast<const char*>(bytes), size);
+  } catch (const std::exception&) {
+    has_room = false;  // an exception must not pass through the library, nor a jump leave this block
+  }
+  if (!has_room) png_error(png, "out of memory");
+}
+void flush(png_structp) {}
+void ignore_warning(png_structp, png_const_charp) {}
+
+[[noreturn]] void stop(png_structp png, png_const_charp reason) {
+  Output& output = *static_cast<Output*>(png_get_error_ptr(png));
+  std::snprintf(output.reason.data(), output.reason.size(), "%s", reason);
+  png_longjmp(png, 1);
+}
+
+void write_header(png_structp png, png_infop info, Content& content) {
+  png_set_IHDR(png, info, png_uint_32(content.image.width), png_uint_32(content.image.height), content.bits,
+               content.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  // Also in the words of programs that know no colour space by name: gamma, white and primaries.
+  png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  if (content.has_time) png_set_tIME(png, info, &content.time);
+  png_set_text(png, info, content.texts.data(), int(content.texts.size()));
+  constexpr int level = 6;
+  constexpr int strategy =
+      0;  // zlib's default; the library's, for filtered rows, makes noisy pictures an eighth larger
+  png_set_compression_level(png, level);
+  png_set_compression_strategy(png, strategy);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_ALL_FILTERS);
+  png_write_info(png, info);
+}
+
+// Whether it went well. The library leaves by a jump that ends here: nothing below this may need a destructor.
+bool write(png_structp png, png_infop info, Content& content) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  write_header(png, info, content);
+  for (int y = 0; y < content.image.height; ++y) {
+    fill_row(content, y);
+    png_write_row(png, content.row.data());
+  }
+  png_write_end(png, nullptr);
+  return true;
+}
+
+// The library's objects.
+class Writer {
+ public:
+  explicit Writer(Output& output)
+      : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, &output, stop, ignore_warning)),
+        info_(png_ ? png_create_info_struct(png_) : nullptr) {
+    if (png_) png_set_write_fn(png_, &output, append, flush);
+  }
+  ~Writer() { png_destroy_write_struct(&png_, &info_); }
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  bool run(Content& content) { return info_ && write(png_, info_, content); }
+
+ private:
+  png_structp png_;
+  png_infop info_;
+};
 
 }  // namespace
 
-std::string encode_png(const Image& image, const Metadata& metadata, int bits) {
+std::string encode_png(const std::string& path, const Image& image, const Metadata& metadata, int bits) {
   const int channels = std::min(image.channels, 3);
-  std::string file("\x89PNG\r\n\x1a\n"), header;
-  put(header, std::uint32_t(image.width));
-  put(header, std::uint32_t(image.height));
-  put(header, std::uint32_t(bits), 1);
-  put(header, channels == 3 ? 2 : 0, 1);  // RGB or grey
-  put(header, 0, 3);                      // the one way to compress, the one to filter; rows from top to bottom
-  put_chunk(file, "IHDR", header);
-  put_color_space(file);
-  for (const auto& [name, value] : metadata)
+  Content content{image, channels, bits, metadata, {}, {}, false, {}};
+  for (auto& [name, value] : content.metadata)
     if (name == "DateTime")
-      put_time(file, value);
+      content.has_time = read_time(value, content.time);
     else
-      put_text(file, name, value);
-  put_pixels(file, image, channels, bits);
-  put_chunk(file, "IEND", "");
-  return file;
+      content.texts.push_back(text_of(name, value));
+  content.row.resize(std::size_t(image.width) * std::size_t(channels) * std::size_t(bits / 8));
+  Output output;
+  if (!Writer(output).run(content)) {
+    const char* const reason = output.reason[0] ? output.reason.data() : "out of memory";
+    throw FileError(fmt::format("cannot write {}: {}", path, reason));
+  }
+  return std::move(output.bytes);
 }
 
 }  // namespace meristem

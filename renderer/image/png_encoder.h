@@ -1,4 +1,4 @@
-// PNG files (ISO/IEC 15948), upon zlib alone: OpenImageIO's libraries take 125 MB and half a second (image_codec.h).
+// PNG files, by libpng: OpenImageIO's libraries would take 125 MB and half a second (image_codec.h).
 #pragma once
 
 #include "renderer/image/image.h"
@@ -9,7 +9,7 @@ namespace meristem {
 
 // The bytes of a PNG of the image's first three channels, or its only one, as display values clamped to [0, 1] (what is
 // no number is 0) in `bits` bits, 8 or 16. It says that they are sRGB; "DateTime" becomes its time, all else of the
-// metadata its text.
-std::string encode_png(const Image& image, const Metadata& metadata, int bits);
+// metadata its text. Any thread; what fails is a FileError that names `path`.
+std::string encode_png(const std::string& path, const Image& image, const Metadata& metadata, int bits);
 
 }  // namespace meristem

@@ -1,4 +1,4 @@
-"""The image libraries stay out of the program. PNG and EXR are written without their module; TIFF without is an error.
+"""OpenImageIO stays out of the program. PNG and EXR are written without its module; TIFF without is an error.
 
     image_module.py PROGRAM
 """

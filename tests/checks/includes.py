@@ -36,7 +36,7 @@ ONE_PLACE = {
     r"opensubdiv/": "geometry/mesh",
     r"embree[34]/": "geometry/accel",
     r"(openvdb|nanovdb)/": "geometry/volumes",
-    r"(OpenImageIO|OpenEXR|Imath)/|zlib\.h": "renderer/image",
+    r"(OpenImageIO|OpenEXR|Imath)/|png\.h": "renderer/image",
     r"OpenColorIO/": "renderer/color/ocio",
     r"CLI/": "renderer/cli",
 }

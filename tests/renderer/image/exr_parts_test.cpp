@@ -1,15 +1,27 @@
 #include "renderer/image/exr_parts.h"
 
+#include "geometry/base/parallel.h"
 #include "tests/renderer/image/scratch_folder.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 namespace meristem {
 namespace {
+
+// Hardly to be compressed.
+Image rough(int width, int height, int channels) {
+  Image image{width, height, channels, {}};
+  std::uint32_t state = 1;
+  for (int i = 0; i < width * height * channels; ++i)
+    image.pixels.push_back(std::bit_cast<float>((state = state * 747796405u + 1) >> 2));
+  return image;
+}
 
 Image ramp(int width, int height, int channels, float scale) {
   Image image{width, height, channels, {}};
@@ -44,10 +56,7 @@ TEST(ExrParts, AnotherProgramSeesTypesNamesWindowsAndMetadata) {
 // Blocks of 16 rows, the last one shorter; those that do not become smaller stay as they are.
 TEST(ExrParts, NoiseAndManyRowsComeBack) {
   const ScratchFolder folder;
-  Image noise{37, 50, 3, {}};
-  std::uint32_t state = 1;
-  for (int i = 0; i < 37 * 50 * 3; ++i)
-    noise.pixels.push_back(std::bit_cast<float>((state = state * 747796405u + 1) >> 2));
+  const Image noise = rough(37, 50, 3);
   const std::vector<std::string> names{"Z", "an.unusually.long.name.of.a.channel", "B"};
   write_exr_parts(folder / "a.exr", {{"one", names, noise, false}, {"two", names, noise, false}}, {3, -5, 60, 60});
   for (const char* part : {"one", "two"}) {
@@ -58,6 +67,45 @@ TEST(ExrParts, NoiseAndManyRowsComeBack) {
       expected.insert(expected.end(), {noise.pixels[i + 2], noise.pixels[i], noise.pixels[i + 1]});
     EXPECT_TRUE(std::memcmp(read.pixels.data(), expected.data(), expected.size() * sizeof(float)) == 0);
   }
+}
+
+// Compressed, some of these blocks are exactly as long as before: 9 values of noise among 13, for one.
+TEST(ExrParts, BlocksThatHardlyShrinkComeBack) {
+  const ScratchFolder folder;
+  for (int width = 13; width <= 15; ++width)
+    for (int kept = 1; kept <= width; ++kept) {
+      Image image = rough(width, 1, 1);
+      std::fill(image.pixels.begin() + kept, image.pixels.end(), 0.0f);
+      write_exr_parts(folder / "a.exr", {{"", {"Y"}, image}}, {0, 0, width, 1});
+      EXPECT_EQ(read_image(folder / "a.exr").pixels, image.pixels) << kept << " of " << width;
+    }
+}
+
+TEST(ExrParts, TheBytesDoNotDependOnTheThreads) {
+  const ScratchFolder folder;
+  const std::vector<ExrPart> parts{{"one", {"Y"}, rough(64, 300, 1), true}, {"two", {"Z"}, ramp(64, 300, 1, 0.1f)}};
+  write_exr_parts(folder / "all.exr", parts, {0, 0, 64, 300});
+  const ThreadLimit limit(1);
+  write_exr_parts(folder / "one.exr", parts, {0, 0, 64, 300});
+  EXPECT_TRUE(read_text(folder / "all.exr") == read_text(folder / "one.exr"));
+}
+
+// A block this short is not compressed: the file ends with it.
+TEST(ExrParts, HalvesAreTheNearestAndOfTwoTheEvenOne) {
+  const ScratchFolder folder;
+  const std::vector<std::pair<float, std::uint16_t>> cases{
+      {1 + 0x1p-11f, 0x3c00}, {1 + 0x1.8p-11f, 0x3c01},
+      {1 + 0x3p-11f, 0x3c02}, {0x1p-24f, 0x0001},
+      {-0x1.8p-24f, 0x8002},  {0x1p-25f, 0x0000},
+      {65519, 0x7bff},        {std::numeric_limits<float>::quiet_NaN(), 0x7e00}};
+  Image image{int(cases.size()), 1, 1, {}};
+  std::string halves;
+  for (const auto& [value, half] : cases) {
+    image.pixels.push_back(value);
+    halves.append({char(half & 255), char(half >> 8)});
+  }
+  EXPECT_EQ(write_exr_parts(folder / "a.exr", {{"", {"Y"}, image, true}}, {0, 0, image.width, 1}), 1u);
+  EXPECT_TRUE(read_text(folder / "a.exr").ends_with(halves));
 }
 
 TEST(ExrParts, HalvesAreClampedAndCountedFloatsAreNot) {

@@ -101,6 +101,18 @@ TEST(Image, PngTakesWhatIsNoNumberForBlack) {
   EXPECT_EQ(read_image(folder / "a.png").pixels, (std::vector<float>{0, 0, 1, 1}));
 }
 
+TEST(Image, APngTooWideForTheLibraryIsAnErrorWithItsReason) {
+  const ScratchFolder folder;
+  constexpr int width = 1'000'001;
+  try {
+    write_image(folder / "a.png", {width, 1, 1, std::vector<float>(width)});
+    ADD_FAILURE();
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string(error.what()).find("a.png: Invalid IHDR data"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(folder.files(), 0u);
+}
+
 TEST(Image, AnotherProgramSeesWhatAPngSaysOfItself) {
   const ScratchFolder folder;
   write_image(folder / "a.png", gradient(4, 4, 3),
