@@ -43,11 +43,13 @@ double Extent::refined_scale() const {
   return smooth + scale_by_edge(contraction) * ripple + weights_for(contraction).scale * last_offset;
 }
 
-void Extent::refine(double offset) {
+void Extent::refine(Vec3d down, Vec3d up, double longest) {
+  box = {smooth_box().lower + down, smooth_box().upper + up};
+  refined_box = {};
   ripple = contraction * ripple + weights_for(contraction).edge * last_offset;
   edge_sum = contraction <= regular_contraction ? edge_sum / 2 : 2 * contraction * edge;
   edge *= contraction;
-  last_offset = offset;
+  last_offset = longest;
   contraction = next_contraction;
 }
 

@@ -29,6 +29,9 @@ constexpr double worst_first_contraction = 1.42;
 
 struct Extent {
   Bounds3d box;  // of the control points that the owned faces depend on (owned faces and ring 1)
+  // Of those after the next step, which is a refinement (if none follows: of the surface that is shown), but for its
+  // displacement; empty: not known better than by `box`.
+  Bounds3d refined_box;
   // Of the smooth surface, within two rings:
   double edge = 0;      // the longest edge
   double edge_sum = 0;  // the longest edge of one direction plus the longest of the other; at most 2 * edge
@@ -45,8 +48,11 @@ struct Extent {
   void forget_shape();
   // A bound on the local scale after the next smoothing, before its displacement.
   double refined_scale() const;
-  // Carries edges through a smoothing and a displacement by at most `offset` (0: none). The caller extends the box.
-  void refine(double offset);
+  // Where the next smoothing, before its displacement, puts the control points.
+  const Bounds3d& smooth_box() const { return refined_box.empty() ? box : refined_box; }
+  // Carries box and edges through a smoothing and a displacement by vectors between `down` (not positive) and `up` (not
+  // negative), of a length of at most `longest`.
+  void refine(Vec3d down, Vec3d up, double longest);
 };
 
 }  // namespace meristem

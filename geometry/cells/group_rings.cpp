@@ -59,8 +59,26 @@ class RingBuilder {
   static constexpr std::uint32_t no_group = ~0u, halo = ~1u, no_place = ~0u;
 
   Ring1 vertex_ring1(std::uint32_t v) const {
-    return {Bounds3d{mesh_.positions[v], mesh_.positions[v]}, contraction_[v]};
+    const Bounds3d box{mesh_.positions[v], mesh_.positions[v]};
+    return {box, box, contraction_[v]};
   }
+  // Where one step of Catmull-Clark may put what becomes of a face around its corner i: refined vertices are means of
+  // old ones, of the middles of edges and of faces, with weights that are not negative where three faces or more lie
+  // around the vertex; new ones on edges are means of the middles of edge and faces.
+  Bounds3d refined_corner(std::span<const std::uint32_t> corners, std::size_t i, const Bounds3d& face) const {
+    const std::uint32_t v = corners[i];
+    if (!(contraction_[v] < worst_contraction)) return face;
+    const std::size_t n = corners.size();
+    Vec3d middle;
+    for (const std::uint32_t corner : corners) middle += mesh_.positions[corner];
+    const Vec3d p = mesh_.positions[v];
+    Bounds3d box{p, p};
+    box.extend(middle * (1.0 / double(n)));
+    box.extend((p + mesh_.positions[corners[(i + 1) % n]]) * 0.5);
+    box.extend((p + mesh_.positions[corners[(i + n - 1) % n]]) * 0.5);
+    return box;
+  }
+
   Ring2 vertex_ring2(std::uint32_t v) const { return {0, uv_[v], uv_[v]}; }
 
   // Vertices that faces of several groups, or a group's and the halo's, share; and places for all vertices of their
@@ -109,9 +127,10 @@ class RingBuilder {
         face1.join(vertex_ring1(v));
         face2.join(vertex_ring2(v));
       }
-      for (std::uint32_t v : corners) {
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        const std::uint32_t v = corners[i];
         if (place_[v] == no_place) continue;
-        around1[place_[v]].join(face1);
+        around1[place_[v]].join({face1.box, refined_corner(corners, i, face1.box), face1.contraction});
         around2[place_[v]].join(face2);
       }
     }

@@ -15,10 +15,12 @@ namespace meristem {
 // Of all faces within one ring; joined by union.
 struct Ring1 {
   Bounds3d box;
+  Bounds3d refined_box;  // after one step of Catmull-Clark, of which a ring is half as wide
   double contraction = 0;
 
   void join(const Ring1& b) {
     box.extend(b.box);
+    refined_box.extend(b.refined_box);
     contraction = std::max(contraction, b.contraction);
   }
 };

@@ -19,9 +19,11 @@ constexpr int analysed_refinements = 3;
 // Faces of a grown mesh that are refined together.
 constexpr std::uint32_t part_faces = 512;
 
-Extent extent_of(const Ring1& ring1, const Ring2& ring2) {
+// `is_halved`: what comes of the faces is that of a mesh that Catmull-Clark refines next.
+Extent extent_of(const Ring1& ring1, const Ring2& ring2, bool is_halved) {
   Extent e;
   e.box = ring1.box;
+  if (is_halved) e.refined_box = ring1.refined_box;
   e.edge = ring2.edge;
   e.edge_sum = 2 * ring2.edge;
   e.contraction = e.next_contraction = ring1.contraction;
@@ -159,10 +161,21 @@ class Lookahead {
         rings_of_groups(ahead_.mesh, std::span(ahead_.labels).first(ahead_.owned_faces), groups.size());
     // Of a mesh that is final nothing moves any more, but towards the limit surface
     const int level = is_final_ ? model_.levels() : level_;
+    const bool is_halved = is_by_catmull_clark();
     for (std::size_t g = 0; g < groups.size(); ++g)
       if (is_asked[g] && !rings.ring1[g].box.empty())
-        groups[g].bounds.extend(final_bounds(model_, extent_of(rings.ring1[g], rings.ring2[g]), level));
+        groups[g].bounds.extend(final_bounds(model_, extent_of(rings.ring1[g], rings.ring2[g], is_halved), level));
     add_frozen(groups, is_asked);
+  }
+
+  // Whether Catmull-Clark makes what is shown of the mesh, or it is shown as it is.
+  bool is_by_catmull_clark() const {
+    std::optional<RefineOptions> scheme;
+    if (!is_final_ && level_ < model_.levels())
+      scheme = model_.step(level_).refinement();
+    else if (const auto smoothing = model_.smoothing(level_))
+      scheme = smoothing->scheme;
+    return !scheme || scheme->scheme == Scheme::CatmullClark;
   }
 
   void apply_step() {

@@ -140,6 +140,7 @@ double Model::estimated_faces(std::uint32_t corners, std::int32_t symbol, int le
 
 Bounds3d final_bounds(const Model& model, Extent extent, int level) {
   for (int i = level; i < model.levels(); ++i) extent = model.step(i).bound(extent);
+  extent.box = extent.smooth_box();
   // Roundings to the grid, one a level, and that of the float vertices.
   const double size = std::max(max_component(abs(extent.box.lower)), max_component(abs(extent.box.upper)));
   return extent.box.inflated(Vec3d(model.quantum().step() * (model.levels() + 1) + size * 0x1p-23));

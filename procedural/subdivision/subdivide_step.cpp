@@ -169,8 +169,9 @@ IntervalValue SubdivideStep::placement_bounds(const Extent& e, double scale) con
   auto interval = [](double lower, double upper) {
     return Interval{std::nextafterf(float(lower), -INFINITY), std::nextafterf(float(upper), INFINITY)};
   };
-  inputs[slot_p] = {interval(e.box.lower.x, e.box.upper.x), interval(e.box.lower.y, e.box.upper.y),
-                    interval(e.box.lower.z, e.box.upper.z), std::numeric_limits<float>::infinity()};
+  const Bounds3d& box = e.smooth_box();
+  inputs[slot_p] = {interval(box.lower.x, box.upper.x), interval(box.lower.y, box.upper.y),
+                    interval(box.lower.z, box.upper.z), std::numeric_limits<float>::infinity()};
   for (Slot s : {slot_n, slot_t, slot_b}) {
     constexpr float one = 1.0f + 1e-6f;
     inputs[s] = {{-one, one}, {-one, one}, {-one, one}, one};
@@ -188,13 +189,12 @@ IntervalValue SubdivideStep::placement_bounds(const Extent& e, double scale) con
 Extent SubdivideStep::bound(const Extent& e) const {
   Extent after = e;
   if (!settings_.place) {
-    after.refine(0);
+    after.refine({}, {}, 0);
     return after;
   }
   const IntervalValue offset = placement_bounds(e, e.refined_scale());
-  after.box.lower += min(Vec3d{offset.x.lower, offset.y.lower, offset.z.lower}, Vec3d{});
-  after.box.upper += max(Vec3d{offset.x.upper, offset.y.upper, offset.z.upper}, Vec3d{});
-  after.refine(largest_length(offset));
+  after.refine(min(Vec3d{offset.x.lower, offset.y.lower, offset.z.lower}, Vec3d{}),
+               max(Vec3d{offset.x.upper, offset.y.upper, offset.z.upper}, Vec3d{}), largest_length(offset));
   return after;
 }
 

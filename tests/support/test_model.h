@@ -42,8 +42,7 @@ class BumpyStep final : public Step {
   Extent bound(const Extent& e) const override {
     Extent after = e;
     const double offset = amplitude_ * e.refined_scale();
-    after.box = e.box.inflated(Vec3d(offset));
-    after.refine(offset);
+    after.refine(Vec3d(-offset), Vec3d(offset), offset);
     return after;
   }
 
