@@ -36,14 +36,10 @@ const ModelRoot& Roots::shared(RootSource source) {
   return *root;
 }
 
-const ModelRoot& Roots::root_of(const Placement& shown, const std::shared_ptr<const Footprint>& footprint,
-                                Key individual, Key moment, Owner& owner) {
-  RootSource source{shown.part,
-                    placed_footprint(footprint, shown),
-                    placed_individual(individual, shown),
-                    nullptr,
-                    placed_bounds(shown),
-                    moment};
+const ModelRoot& Roots::root_of(const Placement& shown, std::shared_ptr<const Footprint> seen_as, Key individual,
+                                Key moment, Owner& owner) {
+  RootSource source{shown.part, std::move(seen_as),   placed_individual(individual, shown),
+                    nullptr,    placed_bounds(shown), moment};
   if (can_share(shown, source.footprint.get())) return shared(std::move(source));
   find_bounds(source);
   source.parent = owner.parent;
@@ -58,11 +54,12 @@ std::unique_ptr<Instances> Roots::place(const std::vector<Placement>& placements
   Owner owner{parent, {}};
   instances.reserve(placements.size());
   for (const Placement& placed : placements) {
-    Placement p = shown_placement(placed, footprint);
+    auto [p, seen_as] = shown_placement(placed, footprint);
     std::vector<const ModelRoot*> roots;
     for (const auto& part : p.moments ? *p.moments : PartMoments{p.part}) {
       p.part = part;
-      roots.push_back(&root_of(p, footprint, individual, roots.size(), owner));
+      if (!roots.empty()) seen_as = placed_footprint(footprint, p);
+      roots.push_back(&root_of(p, seen_as, individual, roots.size(), owner));
     }
     const auto index = instances.size();
     instances.emplace_back(std::move(roots), p, Key(index) + 1, are_objects ? int(index) : -1);

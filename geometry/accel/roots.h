@@ -32,8 +32,8 @@ class Roots {
     std::vector<std::unique_ptr<ModelRoot>> roots;
   };
   std::unique_ptr<ModelRoot> make(RootSource source);
-  const ModelRoot& root_of(const Placement& shown, const std::shared_ptr<const Footprint>& footprint, Key individual,
-                           Key moment, Owner& owner);
+  const ModelRoot& root_of(const Placement& shown, std::shared_ptr<const Footprint> seen_as, Key individual, Key moment,
+                           Owner& owner);
   const ModelRoot& shared(RootSource source);
 
   const ExpandMode mode_;

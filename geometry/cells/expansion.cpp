@@ -119,8 +119,12 @@ class Expander {
 
   void finish() {
     if (cell_.owned_faces == 0 || cell_.mesh.corner_count(0) != 4) squares_ = {};
-    result_.leaf = tessellate(cell_, level_, squares_, model_.smoothing(level_), done_);
-    if (model_.settings().keeps_leaf_meshes) result_.mesh = std::move(cell_);
+    if (model_.settings().keeps_leaf_meshes) {
+      result_.leaf.emplace();
+      result_.mesh = std::move(cell_);
+    } else {
+      result_.leaf = tessellate(cell_, level_, squares_, model_.smoothing(level_), done_);
+    }
   }
 
   void split() {

@@ -41,7 +41,7 @@ struct StepWork {
 struct Expansion {
   std::optional<Tessellation> leaf;  // exactly one of
   std::unique_ptr<InnerCell> inner;  // these two
-  CellMesh mesh;                     // of a leaf, if the model's settings ask for it
+  CellMesh mesh;                     // of a leaf, if the model's settings ask for it; then its surface is empty
   std::vector<StepWork> work;        // by level; levels that did not run are zero
   std::uint64_t faces = 0;           // owned faces made, over all steps
 };

@@ -16,7 +16,7 @@ struct CellSettings {
   // what a ray asks for drags along what none does. Of 1024, 2048 and 4096 the second was fastest on whole pictures.
   std::uint32_t leaf_faces = 2048;
   std::uint32_t inner_faces = 8192;  // an expansion stops to split when it would hold more
-  bool keeps_leaf_meshes = false;    // for placing parts on the final faces
+  bool keeps_leaf_meshes = false;    // for placing parts on the final faces, instead of surfaces
 };
 
 // The scheme whose limit surface a mesh is taken for.

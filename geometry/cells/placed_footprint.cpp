@@ -64,14 +64,17 @@ std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Fo
       exact->fades());
 }
 
-Placement shown_placement(const Placement& placement, const std::shared_ptr<const Footprint>& footprint) {
-  if (placement.stand_in == 0) return placement;
+ShownPlacement shown_placement(const Placement& placement, const std::shared_ptr<const Footprint>& footprint) {
+  if (placement.stand_in == 0) return {placement, placed_footprint(footprint, placement)};
   Placement other = placement;
   other.individual = placement.stand_in;
   other.is_shared = true;
   other.is_one_of_many = true;
-  const double size = constant_size(placed_footprint(footprint, other).get());
-  return max_component(placed_bounds(placement).size()) < placement.stand_in_below * size ? other : placement;
+  auto seen_as = placed_footprint(footprint, other);
+  const double size = constant_size(seen_as.get());
+  if (max_component(placed_bounds(placement).size()) < placement.stand_in_below * size)
+    return {std::move(other), std::move(seen_as)};
+  return {placement, placed_footprint(footprint, placement)};
 }
 
 Key placed_individual(Key parent, const Placement& placement) {

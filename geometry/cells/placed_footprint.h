@@ -10,14 +10,18 @@ namespace meristem {
 // What decisions take for its bounds: those of one individual of the part, unless they are known.
 const Bounds3f& placed_bounds(const Placement& placement);
 
-// The placement as it is shown where the footprint is given: that of its stand-in, if it is seen that small.
-Placement shown_placement(const Placement& placement, const std::shared_ptr<const Footprint>& footprint);
-
 // In the frame of a part whose parent's footprint is given (null, and a part in full: null). Where it hardly varies
 // over the part it is constant, the least of it, so that other placements can share what is expanded. Where levels
 // fade in, only of one of many, since a shared one changes by steps.
 std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Footprint>& parent,
                                                   const Placement& placement);
+
+// A placement as it is shown where the footprint is given: that of its stand-in, if it is seen that small.
+struct ShownPlacement {
+  Placement placement;
+  std::shared_ptr<const Footprint> footprint;  // placed_footprint() of it
+};
+ShownPlacement shown_placement(const Placement& placement, const std::shared_ptr<const Footprint>& footprint);
 
 // Of a part that is placed in an individual.
 Key placed_individual(Key parent, const Placement& placement);

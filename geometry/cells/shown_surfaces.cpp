@@ -51,8 +51,7 @@ class Layout {
                            Key individual) {
     std::vector<Child> children;
     for (const Placement& placed : placements) {
-      const Placement p = shown_placement(placed, footprint);
-      const auto seen_as = placed_footprint(footprint, p);
+      const auto [p, seen_as] = shown_placement(placed, footprint);
       const Key own = placed_individual(individual, p);
       if (!can_share(p, seen_as.get())) {
         children.push_back({make(*p.part, seen_as, own), p.to_parent});
