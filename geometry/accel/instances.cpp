@@ -38,27 +38,15 @@ class Inside {
   const Key previous_path_;
 };
 
-void instance_bounds(const RTCBoundsFunctionArguments* args) {
-  const Bounds3f& b = static_cast<const Instances*>(args->geometryUserPtr)->list()[args->primID].bounds();
-  *args->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, 0};
+// What stands in the boxes of instances; `owner` is their Instances.
+void intersect_instance(void* owner, std::uint32_t index, RayContext& context, RTCRayHit& ray) {
+  const WayStep step(context, index);
+  static_cast<const Instances*>(owner)->list()[index].intersect(context, ray);
 }
 
-void intersect_instance(const RTCIntersectFunctionNArguments* args) {
-  if (!args->valid[0]) return;
-  auto& context = *reinterpret_cast<RayContext*>(args->context);
-  const WayStep step(context, args->primID);
-  static_cast<const Instances*>(args->geometryUserPtr)
-      ->list()[args->primID]
-      .intersect(context, *reinterpret_cast<RTCRayHit*>(args->rayhit));
-}
-
-void occluded_instance(const RTCOccludedFunctionNArguments* args) {
-  if (!args->valid[0]) return;
-  auto& context = *reinterpret_cast<RayContext*>(args->context);
-  const WayStep step(context, args->primID);
-  static_cast<const Instances*>(args->geometryUserPtr)
-      ->list()[args->primID]
-      .occluded(context, *reinterpret_cast<RTCRay*>(args->ray));
+void occluded_instance(void* owner, std::uint32_t index, RayContext& context, RTCRay& ray) {
+  const WayStep step(context, index);
+  static_cast<const Instances*>(owner)->list()[index].occluded(context, ray);
 }
 
 }  // namespace
@@ -139,18 +127,10 @@ Instances::Instances(std::vector<Instance> instances, std::vector<std::unique_pt
   for (const auto& root : owned_) bytes_ += root->bytes() + sizeof(root);
   for (const Instance& i : instances_) bounds_.extend(i.bounds()), bytes_ += i.own_bytes();
   if (instances_.size() < 2) return;
-  scene_.reset(rtcNewScene(embree_device()));
-  rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, unsigned(instances_.size()));
-  rtcSetGeometryUserData(geometry, this);
-  rtcSetGeometryBoundsFunction(geometry, instance_bounds, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, intersect_instance);
-  rtcSetGeometryOccludedFunction(geometry, occluded_instance);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene_.get(), geometry);
-  rtcReleaseGeometry(geometry);
-  bytes_ += commit_scene(scene_.get());
+  std::vector<Bounds3f> boxes;
+  for (const Instance& i : instances_) boxes.push_back(i.bounds());
+  scene_.emplace(boxes, BoxContents{this, intersect_instance, occluded_instance});
+  bytes_ += scene_->bytes();
 }
 
 std::vector<const ModelRoot*> Instances::roots() const {
@@ -160,14 +140,14 @@ std::vector<const ModelRoot*> Instances::roots() const {
 }
 
 void Instances::intersect(RayContext& context, RTCRayHit& ray) const {
-  if (scene_) return rtcIntersect1(scene_.get(), &context.embree, &ray);
+  if (scene_) return scene_->intersect(context, ray);
   if (instances_.empty()) return;
   const WayStep step(context, 0);
   instances_[0].intersect(context, ray);
 }
 
 void Instances::occluded(RayContext& context, RTCRay& ray) const {
-  if (scene_) return rtcOccluded1(scene_.get(), &context.embree, &ray);
+  if (scene_) return scene_->occluded(context, ray);
   if (instances_.empty()) return;
   const WayStep step(context, 0);
   instances_[0].occluded(context, ray);

@@ -1,8 +1,9 @@
-// Instances: roots placed by transforms, behind an Embree scene of user geometry with their bounds. The world's objects
+// Instances: roots placed by transforms, behind a scene of their bounds. The world's objects
 // and what a group or a placer puts into a cell are both this; it nests without limit (Debian's Embree has one level of
 // instances of its own).
 #pragma once
 
+#include "geometry/accel/box_scene.h"
 #include "geometry/accel/model_root.h"
 #include "geometry/base/motion.h"
 
@@ -57,6 +58,8 @@ class Instances {
  public:
   // Builds on the calling thread; call inside run_isolated(). `owned`: roots of which nobody else takes care.
   Instances(std::vector<Instance> instances, std::vector<std::unique_ptr<ModelRoot>> owned);
+  Instances(const Instances&) = delete;  // its scene holds on to it
+  Instances& operator=(const Instances&) = delete;
 
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
@@ -71,7 +74,7 @@ class Instances {
   std::vector<Instance> instances_;
   std::vector<std::unique_ptr<ModelRoot>> owned_;
   Bounds3f bounds_;
-  ScenePtr scene_;
+  std::optional<BoxScene> scene_;  // none: there is one instance at most
   std::size_t bytes_ = 0;
 };
 

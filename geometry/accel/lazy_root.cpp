@@ -59,7 +59,7 @@ class CellEntry : public CacheEntry {
     if (patch_) {
       if (intersect_patch(*patch_, key_, context, ray.ray)) context.use.nearest = this;
     } else if (proxies_) {
-      rtcIntersect1(proxies_->scene(), &context.embree, &ray);
+      proxies_->scene().intersect(context, ray);
     } else {
       instances_->intersect(context, ray);
     }
@@ -69,7 +69,7 @@ class CellEntry : public CacheEntry {
     if (patch_)
       occlude_with_patch(*patch_, context, ray);
     else if (proxies_)
-      rtcOccluded1(proxies_->scene(), &context.embree, &ray);
+      proxies_->scene().occluded(context, ray);
     else
       instances_->occluded(context, ray);
   }
@@ -343,28 +343,20 @@ bool CellEntry::follow(MissingCells::Way way, RayContext& context, RTCRayHit& ra
   return cell->follow(way.subspan(1), context, ray);
 }
 
-// Embree's callbacks for child cells. acquire() does not throw, so nothing crosses the C boundary.
-CellEntry& owner(void* proxies) { return *static_cast<CellEntry*>(static_cast<ProxyScene*>(proxies)->user()); }
-
-void intersect_child(const RTCIntersectFunctionNArguments* args) {
-  if (!args->valid[0]) return;
-  CellEntry& parent = owner(args->geometryUserPtr);
-  auto& context = *reinterpret_cast<RayContext*>(args->context);
-  auto& ray = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  if (CellEntry* cell = parent.root().entered_child(parent, args->primID, context, ray.ray)) {
-    const WayStep step(context, args->primID);
+// What stands in the boxes of child cells; `parent` is their CellEntry.
+void intersect_child(void* parent, std::uint32_t index, RayContext& context, RTCRayHit& ray) {
+  auto& entry = *static_cast<CellEntry*>(parent);
+  if (CellEntry* cell = entry.root().entered_child(entry, index, context, ray.ray)) {
+    const WayStep step(context, index);
     if (context.visits) ++context.visits[cell->label.cell_class];
     cell->intersect(context, ray);
   }
 }
 
-void occluded_child(const RTCOccludedFunctionNArguments* args) {
-  if (!args->valid[0]) return;
-  CellEntry& parent = owner(args->geometryUserPtr);
-  auto& context = *reinterpret_cast<RayContext*>(args->context);
-  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  if (CellEntry* cell = parent.root().entered_child(parent, args->primID, context, ray)) {
-    const WayStep step(context, args->primID);
+void occluded_child(void* parent, std::uint32_t index, RayContext& context, RTCRay& ray) {
+  auto& entry = *static_cast<CellEntry*>(parent);
+  if (CellEntry* cell = entry.root().entered_child(entry, index, context, ray)) {
+    const WayStep step(context, index);
     if (context.visits) ++context.visits[cell->label.cell_class];
     cell->occluded(context, ray);
   }
@@ -373,8 +365,7 @@ void occluded_child(const RTCOccludedFunctionNArguments* args) {
 CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner)
     : root_(&root), inner_(std::move(inner)), slots_(std::make_unique<CacheSlot[]>(inner_->child_count())) {
   for (const Bounds3f& b : inner_->child_bounds) real_bounds_.extend(b);
-  proxies_ =
-      std::make_unique<ProxyScene>(inner_->child_bounds, ProxyScene::Callbacks{this, intersect_child, occluded_child});
+  proxies_ = std::make_unique<ProxyScene>(inner_->child_bounds, BoxContents{this, intersect_child, occluded_child});
   bytes = proxies_->bytes() + inner_->bytes() + inner_->child_count() * sizeof(CacheSlot) + sizeof(*this);
   label.tree_bytes = proxies_->bytes();
 }

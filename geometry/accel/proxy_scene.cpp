@@ -17,35 +17,18 @@ constexpr std::array<double, 3> build_shares = {0.125, 0.5, 1.0};
 
 Bounds3f with_rounding_margin(const Bounds3f& b) { return b.inflated(Vec3f(1e-3f * b.diagonal())); }
 
-ProxyScene::ProxyScene(std::span<const Bounds3f> bounds, const Callbacks& callbacks)
-    : bounds_(bounds), callbacks_(callbacks), children_(bounds.size()) {
+ProxyScene::ProxyScene(std::span<const Bounds3f> bounds, const BoxContents& children)
+    : bounds_(bounds), contents_(children), children_(bounds.size()) {
   scenes_.push_back(build());
   current_.store(scenes_.back().get(), std::memory_order_release);
-  bytes_ = bytes_ * (1 + build_shares.size()) + children_.size() * sizeof(Child) + sizeof(*this);
+  bytes_ = scenes_.back()->bytes() * (1 + build_shares.size()) + children_.size() * sizeof(Child) + sizeof(*this);
 }
 
-ScenePtr ProxyScene::build() {
-  ScenePtr scene(rtcNewScene(embree_device()));
-  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, unsigned(bounds_.size()));
-  rtcSetGeometryUserData(geometry, this);
-  rtcSetGeometryBoundsFunction(geometry, child_bounds, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, callbacks_.intersect);
-  rtcSetGeometryOccludedFunction(geometry, callbacks_.occluded);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene.get(), geometry);
-  rtcReleaseGeometry(geometry);
-  const std::size_t bytes = commit_scene(scene.get());
-  if (scenes_.empty()) bytes_ = bytes;
-  return scene;
-}
-
-void ProxyScene::child_bounds(const RTCBoundsFunctionArguments* args) {
-  const auto& self = *static_cast<const ProxyScene*>(args->geometryUserPtr);
-  const Child& child = self.children_[args->primID];
-  const Bounds3f& b = child.is_known.load(std::memory_order_acquire) ? child.real : self.bounds_[args->primID];
-  *args->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, 0};
+std::unique_ptr<const BoxScene> ProxyScene::build() const {
+  std::vector<Bounds3f> boxes(bounds_.begin(), bounds_.end());
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    if (children_[i].is_known.load(std::memory_order_acquire)) boxes[i] = children_[i].real;
+  return std::make_unique<const BoxScene>(boxes, contents_);
 }
 
 Bounds3f ProxyScene::known_bounds(std::size_t child) const {

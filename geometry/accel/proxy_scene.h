@@ -1,4 +1,4 @@
-// ProxyScene: the bounds of child cells as an Embree scene of user geometry, which grows tighter while cells expand.
+// ProxyScene: the bounds of child cells as a scene of boxes, which grows tighter while cells expand.
 //
 // Bounds before expansion must hold whatever a cell may become, so they are larger than the cell. Once it has been
 // expanded its real bounds are known for good, also after eviction. Whenever enough of them have come in, a new scene
@@ -6,7 +6,7 @@
 // not depend on it: of two hits at the same distance the smaller cell key wins in whatever order cells are met.
 #pragma once
 
-#include "geometry/accel/embree_device.h"
+#include "geometry/accel/box_scene.h"
 #include "geometry/base/bounds.h"
 
 #include <atomic>
@@ -22,18 +22,10 @@ Bounds3f with_rounding_margin(const Bounds3f& real);
 
 class ProxyScene {
  public:
-  // What Embree calls for the child that is primID; its geometryUserPtr is the ProxyScene, whose owner is `user`.
-  struct Callbacks {
-    void* user;
-    RTCIntersectFunctionN intersect;
-    RTCOccludedFunctionN occluded;
-  };
-
   // `bounds` must outlive it. Builds on the calling thread; call inside run_isolated().
-  ProxyScene(std::span<const Bounds3f> bounds, const Callbacks& callbacks);
+  ProxyScene(std::span<const Bounds3f> bounds, const BoxContents& children);
 
-  void* user() const { return callbacks_.user; }
-  RTCScene scene() const { return current_.load(std::memory_order_acquire); }
+  const BoxScene& scene() const { return *current_.load(std::memory_order_acquire); }
   // Notes the real bounds of a child, once for each child; may build. Any thread; not while holding a lock.
   void tighten(std::size_t child, const Bounds3f& real);
   // What is known of a child now: its real bounds with a margin for rounding, or those before expansion with one.
@@ -46,19 +38,18 @@ class ProxyScene {
     Bounds3f real;  // written before is_known
     std::atomic<bool> is_known{false};
   };
-  static void child_bounds(const RTCBoundsFunctionArguments* args);
-  ScenePtr build();
+  std::unique_ptr<const BoxScene> build() const;
   std::size_t threshold() const;  // known children that make it worth building again
 
   const std::span<const Bounds3f> bounds_;
-  const Callbacks callbacks_;
+  const BoxContents contents_;
   std::vector<Child> children_;
   std::atomic<std::size_t> known_{0};
-  std::atomic<RTCScene> current_{nullptr};
+  std::atomic<const BoxScene*> current_{nullptr};
   std::size_t bytes_ = 0;
 
   std::mutex build_mutex_;
-  std::vector<ScenePtr> scenes_;  // guarded by build_mutex_
+  std::vector<std::unique_ptr<const BoxScene>> scenes_;  // guarded by build_mutex_
 };
 
 }  // namespace meristem

@@ -85,7 +85,8 @@ TEST(World, LazyAndEagerGiveTheSameBitsForAnyThreadsAndBudget) {
       const Traced lazy = trace(model, {.mode = ExpandMode::Lazy, .budget_bytes = budget}, threads, rays);
       EXPECT_TRUE(lazy.hits == eager.hits) << threads << " threads, " << budget << " bytes";
       EXPECT_TRUE(lazy.statistics.defects.empty());
-      EXPECT_EQ(lazy.statistics.reexpanded > 0, budget < all / 2);
+      EXPECT_TRUE(lazy.statistics.reexpanded > 0 || budget >= all / 2);
+      EXPECT_TRUE(lazy.statistics.reexpanded == 0 || budget <= all);
       // Resident, in limbo, plans and roots together: beyond the budget only the cells in flight
       EXPECT_LE(lazy.statistics.total_bytes_peak, budget + least) << threads << " threads";
     }

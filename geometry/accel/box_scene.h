@@ -1,0 +1,46 @@
+// BoxScene: boxes, and what a ray does that enters one: few are held against it one by one, many are an Embree scene of
+// user geometry.
+#pragma once
+
+#include "geometry/accel/embree_device.h"
+#include "geometry/accel/few_boxes.h"
+#include "geometry/accel/model_root.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+
+namespace meristem {
+
+// What stands in the boxes, by number: traces the ray into it and shortens it by what is met (see RTCRay).
+struct BoxContents {
+  void* owner;
+  void (*intersect)(void* owner, std::uint32_t box, RayContext& context, RTCRayHit& ray);
+  void (*occluded)(void* owner, std::uint32_t box, RayContext& context, RTCRay& ray);
+};
+
+class BoxScene {
+ public:
+  // Builds on the calling thread; call inside run_isolated(). Throws std::runtime_error if Embree fails.
+  BoxScene(std::span<const Bounds3f> boxes, const BoxContents& contents);
+  BoxScene(const BoxScene&) = delete;  // Embree holds on to the contents
+  BoxScene& operator=(const BoxScene&) = delete;
+
+  // Through the boxes that the ray enters, few of them in the order in which it does.
+  void intersect(RayContext& context, RTCRayHit& ray) const;
+  void occluded(RayContext& context, RTCRay& ray) const;
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  static void box_bounds(const RTCBoundsFunctionArguments* args);
+  static void intersect_box(const RTCIntersectFunctionNArguments* args);
+  static void occluded_box(const RTCOccludedFunctionNArguments* args);
+
+  const BoxContents contents_;
+  std::span<const Bounds3f> boxes_;  // while it is built
+  std::optional<FewBoxes> few_;
+  ScenePtr scene_;  // null: they are few
+  std::size_t bytes_;
+};
+
+}  // namespace meristem
