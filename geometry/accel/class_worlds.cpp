@@ -60,7 +60,7 @@ void RayRoute::occluded(RayContext& context, RTCRay& ray) const {
   trace_far(ray, [&] { far_->occluded(context, ray); });
 }
 
-bool RayRoute::follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const {
+bool RayRoute::follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const {
   if (!far_) return near_->follow(way, context, ray);
   bool arrives = true;
   const WayStep step(context, way[0]);

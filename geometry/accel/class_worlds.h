@@ -22,7 +22,7 @@ class RayRoute {
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
   // As ModelRoot::follow(). Where there are two worlds the way begins with the number of one: 0 or 1.
-  bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const;
+  bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const;
 
  private:
   template <class Trace>

@@ -102,7 +102,7 @@ void Instance::intersect(RayContext& context, RTCRayHit& ray) const {
   with_local_ray(context, ray, [&](const ModelRoot& root, RTCRayHit& local) { root.intersect(context, local); });
 }
 
-bool Instance::follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const {
+bool Instance::follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const {
   bool arrives = false;
   with_local_ray(context, ray,
                  [&](const ModelRoot& root, RTCRayHit& local) { arrives = root.follow(way, context, local); });
@@ -153,7 +153,7 @@ void Instances::occluded(RayContext& context, RTCRay& ray) const {
   instances_[0].occluded(context, ray);
 }
 
-bool Instances::follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const {
+bool Instances::follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const {
   const WayStep step(context, way[0]);
   return instances_[way[0]].follow(way.subspan(1), context, ray);
 }

@@ -21,9 +21,9 @@ class Instance {
 
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
-  bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const;  // as ModelRoot::follow()
-  const Bounds3f& bounds() const { return bounds_; }                              // in the parent's frame
-  void add_roots(std::vector<const ModelRoot*>& roots) const;                     // of all moments
+  bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const;  // as ModelRoot::follow()
+  const Bounds3f& bounds() const { return bounds_; }                          // in the parent's frame
+  void add_roots(std::vector<const ModelRoot*>& roots) const;                 // of all moments
   bool is_identity() const { return is_identity_; }
   std::size_t own_bytes() const {
     return change_ ? sizeof(Change) + change_->roots.capacity() * sizeof(ModelRoot*) : 0;
@@ -64,7 +64,7 @@ class Instances {
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
   // As ModelRoot::follow(); the way begins with the number of an instance.
-  bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const;
+  bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const;
   const Bounds3f& bounds() const { return bounds_; }
   const std::vector<Instance>& list() const { return instances_; }
   std::vector<const ModelRoot*> roots() const;  // of all, at all moments

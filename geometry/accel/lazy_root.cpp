@@ -81,7 +81,7 @@ class CellEntry : public CacheEntry {
   }
 
   // As ModelRoot::follow(): the way goes on with one of the children or instances, or ends here.
-  bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray);
+  bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray);
 
   const LazyRoot& root() const { return *root_; }
   const InnerCell* inner() const { return inner_.get(); }
@@ -90,6 +90,8 @@ class CellEntry : public CacheEntry {
   ProxyScene& proxies() { return *proxies_; }
   // Of a surface or of placed parts: their own. Of child cells: the union of their bounds before expansion.
   const Bounds3f& real_bounds() const { return real_bounds_; }
+  // Small boxes that hold all of it; none if they would not be few.
+  std::vector<Bounds3f> boxes() const;
 
  private:
   std::unique_ptr<SurfacePatch> patch_;
@@ -103,23 +105,8 @@ class CellEntry : public CacheEntry {
   std::shared_ptr<LeafStore> store_;  // of its root, which it may outlive; only of a surface
 };
 
-// The least t at which a ray may be in a box; infinity if it is not up to tfar.
-float earliest_entry(const Bounds3f& box, const RTCRay& ray) {
-  constexpr float error = 8 * 0x1p-24f;  // a difference, a division and a product, and some
-  const float origin[] = {ray.org_x, ray.org_y, ray.org_z}, direction[] = {ray.dir_x, ray.dir_y, ray.dir_z};
-  float from = ray.tnear, to = ray.tfar;
-  for (int i = 0; i < 3; ++i) {
-    const float lower = box.lower[i] - origin[i], upper = box.upper[i] - origin[i];
-    if (direction[i] == 0) {
-      if (lower > 0 || upper < 0) return std::numeric_limits<float>::infinity();
-      continue;
-    }
-    const float a = lower / direction[i], b = upper / direction[i];
-    const float enter = std::min(a, b), leave = std::max(a, b);
-    from = std::max(from, enter - std::abs(enter) * error);
-    to = std::min(to, leave + std::abs(leave) * error);
-  }
-  return from > to ? std::numeric_limits<float>::infinity() : from;
+RaySpan span_of(const RTCRay& ray) {
+  return {{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}, ray.tnear, ray.tfar};
 }
 
 // The box of a cell that could not be expanded, as a surface.
@@ -156,10 +143,12 @@ class LazyRoot final : public ModelRoot {
   void occluded(RayContext& context, RTCRay& ray) const override {
     if (CellEntry* cell = entered_root(context, ray)) cell->occluded(context, ray);
   }
-  bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const override {
+  bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const override {
     ++context.acquired;
     CellEntry* cell = context.search->expands ? root(context.use) : found(slot_);
-    return cell ? cell->follow(way, context, ray) : slot_.state() == CacheSlot::State::Failed;
+    if (cell) return cell->follow(way, context, ray);
+    if (slot_.state() == CacheSlot::State::Failed) return true;
+    return way.empty() && note_anew(slot_, name_, root_entry(ray.ray), ray.ray, *context.search);
   }
   std::size_t bytes() const override { return sizeof(*this); }
   const Part* part() const { return source_.part.get(); }
@@ -180,7 +169,8 @@ class LazyRoot final : public ModelRoot {
         entry = make_entry([&] { return child_cell(model(), inner, index); }, inner.level, inner.child_bounds[index],
                            inner.child_keys[index]);
       entry->name = child_name(inner, index);
-      parent.proxies().tighten(index, static_cast<const CellEntry&>(*entry).real_bounds());
+      const auto& cell = static_cast<const CellEntry&>(*entry);
+      parent.proxies().tighten(index, cell.real_bounds(), cell.boxes());
       return entry;
     }));
   }
@@ -194,8 +184,13 @@ class LazyRoot final : public ModelRoot {
     if (CellEntry* cell = found(slot)) return cell;
     const WayStep step(context, index);
     const InnerCell& inner = *parent.inner();
-    note(slot, child_name(inner, index), parent.proxies().known_bounds(index), ray, *context.search);
+    note(slot, child_name(inner, index), parent.proxies().entry(index, span_of(ray)), ray, *context.search);
     return nullptr;
+  }
+  // A cell that was noted before and is not resident. Whether it has been noted once more, or need not be.
+  bool note_child_anew(CellEntry& parent, std::size_t index, float entry, const RTCRay& ray,
+                       RayContext::Search& search) const {
+    return note_anew(parent.slot(index), child_name(*parent.inner(), index), entry, ray, search);
   }
   CellEntry* found(CacheSlot& slot) const { return static_cast<CellEntry*>(cache_.find(slot)); }
 
@@ -204,14 +199,19 @@ class LazyRoot final : public ModelRoot {
     ++context.acquired;
     if (!context.search) return root(context.use);
     if (CellEntry* cell = found(slot_)) return cell;
-    note(slot_, name_, with_rounding_margin(bounds()), ray, *context.search);
+    note(slot_, name_, root_entry(ray), ray, *context.search);
     return nullptr;
   }
+  float root_entry(const RTCRay& ray) const { return earliest_entry(with_rounding_margin(bounds()), span_of(ray)); }
 
-  static void note(const CacheSlot& slot, Key name, const Bounds3f& bounds, const RTCRay& ray,
-                   RayContext::Search& search) {
-    const float entry = earliest_entry(bounds, ray);
-    if (entry <= ray.tfar && slot.state() != CacheSlot::State::Failed) search.missing.note(name, entry, search.way);
+  static void note(const CacheSlot& slot, Key name, float entry, const RTCRay& ray, RayContext::Search& search) {
+    if (entry <= ray.tfar && slot.state() != CacheSlot::State::Failed)
+      search.missing.note(name, entry, slot.was_expanded(), search.way);
+  }
+  static bool note_anew(const CacheSlot& slot, Key name, float entry, const RTCRay& ray, RayContext::Search& search) {
+    if (search.knows || !slot.was_expanded()) return false;
+    if (entry <= ray.tfar) search.missing.note(name, entry, true, search.way);
+    return true;
   }
 
   // What stands on a ground must not depend on the view, so the ground is expanded in full.
@@ -319,7 +319,19 @@ class LazyRoot final : public ModelRoot {
   mutable CacheSlot slot_;
 };
 
-bool CellEntry::follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) {
+std::vector<Bounds3f> CellEntry::boxes() const {
+  std::vector<Bounds3f> boxes;
+  if (patch_)
+    boxes = patch_->tree().boxes(Outline::most_boxes);
+  else if (inner_)
+    boxes = inner_->child_bounds;
+  else
+    for (const Instance& i : instances_->list()) boxes.push_back(i.bounds());
+  if (boxes.size() > Outline::most_boxes) boxes.clear();
+  return boxes;
+}
+
+bool CellEntry::follow(CellList::Way way, RayContext& context, RTCRayHit& ray) {
   if (way.empty()) {
     if (context.visits) ++context.visits[label.cell_class];
     if (context.search->any)
@@ -335,10 +347,14 @@ bool CellEntry::follow(MissingCells::Way way, RayContext& context, RTCRayHit& ra
   CacheSlot& slot = slots_[way[0]];
   CellEntry* cell = root_->found(slot);
   if (!cell) {
-    // Its box may have become tighter since it was noted, and the ray shorter
-    if (!(earliest_entry(proxies_->known_bounds(way[0]), ray.ray) <= ray.ray.tfar)) return true;
+    // It may be better known since it was noted, and the ray shorter
+    const float entry = proxies_->entry(way[0], span_of(ray.ray));
+    if (!(entry <= ray.ray.tfar)) return true;
     if (context.search->expands) cell = root_->child(*this, way[0], context.use);
-    if (!cell) return slot.state() == CacheSlot::State::Failed;
+    if (!cell) {
+      if (slot.state() == CacheSlot::State::Failed) return true;
+      return way.size() == 1 && root_->note_child_anew(*this, way[0], entry, ray.ray, *context.search);
+    }
   }
   return cell->follow(way.subspan(1), context, ray);
 }

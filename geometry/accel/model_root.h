@@ -42,6 +42,7 @@ struct RayContext {
     std::vector<std::uint32_t>& way;  // to what is being traced
     bool any;                         // hit will do
     bool expands = false;             // the cells on the way that it follows
+    bool knows = true;                // the cell there had been expanded before it was noted
   };
   Search* search = nullptr;
 };
@@ -69,7 +70,7 @@ class ModelRoot {
   virtual void occluded(RayContext& context, RTCRay& ray) const = 0;
   // Of a search: traces the cell at the end of a way that begins here. False if one on the way is not resident and may
   // not be expanded. No way leads into a root without cells.
-  virtual bool follow(MissingCells::Way way, RayContext& context, RTCRayHit& ray) const {
+  virtual bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const {
     (void)way, (void)context, (void)ray;
     return true;
   }

@@ -7,9 +7,10 @@
 #pragma once
 
 #include "geometry/accel/box_scene.h"
-#include "geometry/base/bounds.h"
+#include "geometry/accel/outline.h"
 
 #include <atomic>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <vector>
@@ -26,16 +27,18 @@ class ProxyScene {
   ProxyScene(std::span<const Bounds3f> bounds, const BoxContents& children);
 
   const BoxScene& scene() const { return *current_.load(std::memory_order_acquire); }
-  // Notes the real bounds of a child, once for each child; may build. Any thread; not while holding a lock.
-  void tighten(std::size_t child, const Bounds3f& real);
-  // What is known of a child now: its real bounds with a margin for rounding, or those before expansion with one.
-  Bounds3f known_bounds(std::size_t child) const;
+  // Notes the real bounds of a child and boxes around all of it, once for each child; may build. Any thread; not while
+  // holding a lock.
+  void tighten(std::size_t child, const Bounds3f& real, std::span<const Bounds3f> boxes);
+  // Where a ray enters a child, by what is known of it now; infinity if it does not.
+  float entry(std::size_t child, const RaySpan& ray) const;
   // Of all scenes it may come to hold.
   std::size_t bytes() const { return bytes_; }
 
  private:
   struct Child {
-    Bounds3f real;  // written before is_known
+    Bounds3f real;                           // written before is_known
+    std::unique_ptr<const Outline> outline;  // as well
     std::atomic<bool> is_known{false};
   };
   std::unique_ptr<const BoxScene> build() const;

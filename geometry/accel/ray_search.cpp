@@ -1,24 +1,29 @@
 #include "geometry/accel/ray_search.h"
 
 #include <algorithm>
-#include <limits>
 #include <tuple>
 
 namespace meristem {
 
-void MissingCells::note(Key name, float entry, Way way) {
-  if (++count_ > most_cells) return;
-  words_.insert(words_.end(), {std::bit_cast<std::uint32_t>(entry), std::uint32_t(name), std::uint32_t(name >> 32),
-                               std::uint32_t(way.size())});
-  words_.insert(words_.end(), way.begin(), way.end());
+void CellList::append(std::vector<std::uint32_t>& words, Key name, float entry, bool is_known, Way way) {
+  words.insert(words.end(), {std::bit_cast<std::uint32_t>(entry), std::uint32_t(name), std::uint32_t(name >> 32),
+                             std::uint32_t(way.size()) | (is_known ? known_bit : 0)});
+  words.insert(words.end(), way.begin(), way.end());
 }
 
-std::size_t MissingCells::first(float t, Names& names) const {
+std::size_t CellList::nearest(float t) const {
+  std::size_t nearest = end();
+  for (std::size_t cell = 0; cell < end(); cell = next(cell))
+    if (!is_removed(cell) && entry(cell) <= t && (nearest == end() || entry(cell) < entry(nearest))) nearest = cell;
+  return nearest;
+}
+
+std::size_t CellList::first(float t, Names& names) const {
   std::array<float, std::tuple_size_v<Names>> entries;
   std::size_t count = 0;
   for (std::size_t cell = 0; cell < end(); cell = next(cell)) {
     const float e = entry(cell);
-    if (is_removed(cell) || !(e <= t)) continue;
+    if (is_removed(cell) || !(e <= t) || !is_known(cell)) continue;
     const Key n = name(cell);
     std::size_t at = count;
     if (const auto same = std::find(names.begin(), names.begin() + std::ptrdiff_t(count), n) - names.begin();
@@ -36,31 +41,35 @@ std::size_t MissingCells::first(float t, Names& names) const {
   return count;
 }
 
-MissingCells::Kept MissingCells::kept(float t) const {
-  const auto is_left = [&](std::size_t cell) { return entry(cell) <= t && !is_removed(cell); };
+void KeptCells::assign(const CellList& list, float t) {
+  const auto is_left = [&](std::size_t cell) { return list.entry(cell) <= t && !list.is_removed(cell); };
   std::size_t size = 0;
-  for (std::size_t cell = 0; cell < end(); cell = next(cell)) size += is_left(cell) ? next(cell) - cell : 0;
-  Kept result{std::make_unique_for_overwrite<std::uint32_t[]>(size), std::uint32_t(size)};
-  std::uint32_t* to = result.words.get();
-  for (std::size_t cell = 0; cell < end(); cell = next(cell))
-    if (is_left(cell)) to = std::copy(words_.data() + cell, words_.data() + next(cell), to);
-  return result;
+  for (std::size_t cell = 0; cell < list.end(); cell = list.next(cell))
+    size += is_left(cell) ? list.next(cell) - cell : 0;
+  size_ = std::uint32_t(size);
+  more_ = size > few_.size() ? std::make_unique_for_overwrite<std::uint32_t[]>(size) : nullptr;
+  std::uint32_t* to = more_ ? more_.get() : few_.data();
+  for (std::size_t cell = 0; cell < list.end(); cell = list.next(cell))
+    if (is_left(cell)) to = std::ranges::copy(list.words(cell), to).out;
 }
 
-void MissingCells::restore(const Kept& kept) {
-  words_.assign(kept.words.get(), kept.words.get() + kept.size);
+void MissingCells::note(Key name, float entry, bool is_known, CellList::Way way) {
+  if (++count_ > most_cells) return;
+  CellList::append(words_, name, entry, is_known, way);
+}
+
+void MissingCells::restore(const KeptCells& kept) {
+  const CellList::Words words = kept.words();
+  words_.assign(words.begin(), words.end());
   count_ = 0;
-  for (std::size_t cell = 0; cell < end(); cell = next(cell)) ++count_;
+  for (std::size_t cell = 0; cell < words.size(); cell = list().next(cell)) ++count_;
 }
 
-void MissingCells::remove(std::size_t cell) {
-  words_[cell] = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::infinity());
-}
+void MissingCells::remove(std::size_t cell) { words_[cell] = std::bit_cast<std::uint32_t>(CellList::removed); }
 
-std::size_t RaySearch::waits_for(MissingCells::Names& names) const {
-  MissingCells cells;
-  cells.restore(missing_);
-  return cells.first(nearest_ ? nearest_->t : std::numeric_limits<float>::infinity(), names);
+std::size_t RaySearch::waits_for(CellList::Names& names) const {
+  if (!waits_) return 0;
+  return CellList(missing_.words()).first(nearest_ ? nearest_->t : std::numeric_limits<float>::infinity(), names);
 }
 
 }  // namespace meristem

@@ -1,7 +1,5 @@
 #include "geometry/accel/search_driver.h"
 
-#include <limits>
-
 namespace meristem {
 
 namespace {
@@ -26,36 +24,54 @@ SearchDriver::SearchDriver(RaySearch& search, bool any, RayContext& context, RTC
 RaySearch::End SearchDriver::go_on(const RayRoute& route, const GeometryCache& cache) {
   if (search_.waits_) {
     state_.expands = true;
-    visit(route, [&](std::size_t cell) { return missing_.name(cell) == search_.woken_for_; });
+    visit(route, [&](const CellList& list, std::size_t cell) { return list.name(cell) == search_.woken_for_; });
     state_.expands = false;
-    // What else has become resident meanwhile
-    visit(route, [&](std::size_t cell) { return cache.may_hold(missing_.name(cell)); });
+    // What else has become resident meanwhile, or known
+    visit(route, [&](const CellList& list, std::size_t cell) {
+      return cache.may_hold(list.name(cell)) || !list.is_known(cell);
+    });
   } else if (state_.any) {
     route.occluded(context_, ray_.ray);
   } else {
     route.intersect(context_, ray_);
   }
+  expand_unknown(route);
   if (has_ended() || overflows()) return RaySearch::End::Met;
-  MissingCells::Names names;
-  if (missing_.first(ray_.ray.tfar, names) == 0) return context_.has_hit ? RaySearch::End::Met : RaySearch::End::Missed;
+  CellList::Names names;
+  if (missing_.list().first(ray_.ray.tfar, names) == 0)
+    return context_.has_hit ? RaySearch::End::Met : RaySearch::End::Missed;
   search_.woken_for_ = names[0];
   return RaySearch::End::Waits;
 }
 
+// What a cell that was never expanded is like nobody knows, and its box is wide; waiting rays would note hundreds of
+// them. It has to be expanded once in any case, so the first ray that certainly needs it does not wait.
+void SearchDriver::expand_unknown(const RayRoute& route) {
+  while (!has_ended() && !overflows()) {
+    const std::size_t nearest = missing_.list().nearest(ray_.ray.tfar);
+    if (nearest == missing_.list().end() || missing_.list().is_known(nearest)) return;
+    state_.expands = true;
+    visit(route, [&](const CellList&, std::size_t cell) { return cell == nearest; });
+    state_.expands = false;
+  }
+}
+
 template <class IsAsked>
 void SearchDriver::visit(const RayRoute& route, IsAsked is_asked) {
-  for (std::size_t cell = 0; cell < missing_.end(); cell = missing_.next(cell)) {
+  for (std::size_t cell = 0; cell < missing_.list().end(); cell = missing_.list().next(cell)) {
     if (has_ended() || overflows()) return;
-    if (missing_.is_removed(cell) || !(missing_.entry(cell) <= ray_.ray.tfar) || !is_asked(cell)) continue;
-    const MissingCells::Way way = missing_.way(cell);
+    const CellList list = missing_.list();
+    if (list.is_removed(cell) || !(list.entry(cell) <= ray_.ray.tfar) || !is_asked(list, cell)) continue;
+    const CellList::Way way = list.way(cell);
     target.assign(way.begin(), way.end());  // the list grows while it is followed
+    state_.knows = list.is_known(cell);
     if (route.follow(target, context_, ray_)) missing_.remove(cell);
   }
 }
 
 void SearchDriver::keep(const SurfaceHit* nearer) {
   search_.waits_ = true;
-  search_.missing_ = missing_.kept(ray_.ray.tfar);
+  search_.missing_.assign(missing_.list(), ray_.ray.tfar);
   if (!nearer) return;
   if (search_.nearest_)
     *search_.nearest_ = *nearer;

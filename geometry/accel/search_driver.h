@@ -25,6 +25,7 @@ class SearchDriver {
 
  private:
   bool has_ended() const { return state_.any && ray_.ray.tfar < 0; }
+  void expand_unknown(const RayRoute& route);
   // Noted cells that are asked for, as far as they are resident or it expands.
   template <class IsAsked>
   void visit(const RayRoute& route, IsAsked is_asked);

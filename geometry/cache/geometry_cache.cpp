@@ -157,13 +157,13 @@ void GeometryCache::publish(CacheSlot& slot, CacheEntry* parent, Absence& absenc
   CacheEntry* entry = owned.release();
   ThreadCounts& mine = threads_[std::size_t(thread_index())].counts;
   ++mine.expansions;
-  mine.reexpansions += slot.was_expanded_;
+  mine.reexpansions += slot.was_expanded();
   Garbage garbage;
   {
     const std::lock_guard lock(mutex_);
     ++statistics_.expansions;
-    statistics_.reexpansions += slot.was_expanded_;
-    slot.was_expanded_ = true;
+    statistics_.reexpansions += slot.was_expanded();
+    slot.was_expanded_.store(true, std::memory_order_relaxed);
     if (recorder_) recorder_->expanded(entry->label, entry->bytes);
     absence.hold(*entry);
     if (parent && parent->evicted_) {

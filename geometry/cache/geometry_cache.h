@@ -44,13 +44,13 @@ class CacheSlot {
   enum class State : std::uint8_t { Empty, Expanding, Failed, Resident };
   State state() const;
   // Whether the cell had been expanded before (and evicted).
-  bool was_expanded() const { return was_expanded_; }
+  bool was_expanded() const { return was_expanded_.load(std::memory_order_relaxed); }
 
  private:
   friend class GeometryCache;
   static constexpr std::uintptr_t empty = 0, expanding = 1, failed = 2;  // anything else: a CacheEntry*
   std::atomic<std::uintptr_t> word_{empty};
-  bool was_expanded_ = false;  // written by the expanding thread only
+  std::atomic<bool> was_expanded_{false};  // written by the expanding thread only
 };
 
 // What a recorder knows an entry by.

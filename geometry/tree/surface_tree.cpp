@@ -6,6 +6,7 @@
 #include "geometry/tree/tree_kernels.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace meristem {
 
@@ -63,6 +64,36 @@ SurfaceTree::Triangle SurfaceTree::triangle(std::uint32_t met) const {
                       v11 = v01 + 1;
   if (place < 4) return {{v00, v10, v01}, none, node.grid};
   return {{v11, v01, v10}, none, node.grid};
+}
+
+// From the root on, the largest box is divided that can be.
+std::vector<Bounds3f> SurfaceTree::boxes(std::size_t most) const {
+  struct Part {
+    Bounds3f box;
+    std::uint32_t node;  // none: a block
+    float area() const { return node == none ? 0 : box.surface_area(); }
+  };
+  if (nodes_.empty()) return {};
+  std::vector<Part> parts{{{}, 0}};
+  for (auto largest = parts.begin(); largest->node != none;) {
+    const Node& node = nodes_[largest->node];
+    if (parts.size() - 1 + node.children > most) break;
+    parts.erase(largest);
+    for (std::size_t c = 0; c < node.children; ++c) {
+      Part part{{}, node.shape[c] == 0 ? node.first[c] : none};
+      for (int axis = 0; axis < 3; ++axis) {
+        const float step = std::ldexp(1.f, node.exponent[std::size_t(axis)] - 127);
+        const float origin = node.origin[std::size_t(axis)];
+        part.box.lower[axis] = origin + float(node.bounds[axis][0][c]) * step;
+        part.box.upper[axis] = origin + float(node.bounds[axis][1][c]) * step;
+      }
+      parts.push_back(part);
+    }
+    largest = std::ranges::max_element(parts, {}, &Part::area);
+  }
+  std::vector<Bounds3f> boxes;
+  for (const Part& p : parts) boxes.push_back(p.box);
+  return boxes;
 }
 
 std::size_t SurfaceTree::bytes() const { return nodes_.capacity() * sizeof(Node); }

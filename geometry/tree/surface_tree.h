@@ -65,6 +65,8 @@ class SurfaceTree {
   Triangle triangle(std::uint32_t met) const;
 
   std::size_t bytes() const;
+  // Up to so many boxes, at least eight, that hold all triangles, small ones.
+  std::vector<Bounds3f> boxes(std::size_t most) const;
 
   // What a ray keeps for later at most: of each level all children but one. No tree is deeper.
   static constexpr int most_levels = 64, most_waiting = 7 * most_levels;

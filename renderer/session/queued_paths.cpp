@@ -32,21 +32,25 @@ struct QueuedPaths::Slot {
   bool has_early = false, early_met = false;
   std::unique_ptr<SurfaceHit> early;  // an answer that came before it may be given; if it met something
   std::array<RaySearch, PathStepper::most_rays> searches;
-
-  // The cells that it waits for.
-  std::span<const Key> names(std::array<Key, WaitingQueues::most_names>& names) const;
 };
 
-std::span<const Key> QueuedPaths::Slot::names(std::array<Key, WaitingQueues::most_names>& names) const {
+// The cells that a path waits for.
+struct QueuedPaths::Wait {
+  std::uint32_t id, count;
+  std::array<Key, WaitingQueues::most_names> names;
+
+  Wait(std::uint32_t path, const Slot& slot);
+};
+
+QueuedPaths::Wait::Wait(std::uint32_t path, const Slot& slot) : id(path) {
   auto end = names.begin();
-  if (!is_begun) *end++ = 0;
-  for (const RaySearch& search : searches) {
-    MissingCells::Names some;
-    const std::size_t count = search.waits_for(some);
-    for (const Key name : std::span(some).first(count))
+  if (!slot.is_begun) *end++ = 0;
+  for (const RaySearch& search : slot.searches) {
+    CellList::Names some;
+    for (const Key name : std::span(some).first(search.waits_for(some)))
       if (std::find(names.begin(), end, name) == end) *end++ = name;
   }
-  return {names.begin(), end};
+  count = std::uint32_t(end - names.begin());
 }
 
 // What a path has taken, over all its turns.
@@ -109,7 +113,8 @@ struct QueuedPaths::Worker {
   RayCounts rays;
   std::vector<std::uint32_t> claimed;
   Key woken_for = 0;  // the cell for which all of them waited, unless they have not begun
-  std::vector<std::uint32_t> ended, waiting;
+  std::vector<std::uint32_t> ended;
+  std::vector<Wait> waiting;
 };
 
 QueuedPaths::QueuedPaths(const Scene& scene, const CameraPaths& camera, Wants wants, std::size_t most_bytes)
@@ -163,11 +168,10 @@ void QueuedPaths::work(Worker& worker) {
 
 // Those that were not followed because of a stop go back to where they waited; those that have not begun wait together.
 void QueuedPaths::hand_back(Worker& worker) {
+  for (const std::uint32_t id : worker.claimed) worker.waiting.emplace_back(id, slot(id));
   {
     const std::lock_guard lock(mutex_);
-    worker.waiting.insert(worker.waiting.end(), worker.claimed.begin(), worker.claimed.end());
-    std::array<Key, WaitingQueues::most_names> names;
-    for (const std::uint32_t id : worker.waiting) queues_.add(slot(id).names(names), id);
+    for (const Wait& wait : worker.waiting) queues_.add(std::span(wait.names).first(wait.count), wait.id);
     statistics_.waits += worker.waiting.size();
     free_.insert(free_.end(), worker.ended.begin(), worker.ended.end());
     alive_ -= worker.ended.size();
@@ -187,9 +191,10 @@ bool QueuedPaths::claim(Worker& worker) {
     if (worker.claimed.empty() && !queues_.empty()) {
       // The longest queue and the oldest in turns. By length alone, paths of rare cells end last, keep their memory
       // from others, and leave pixels without any sample if the render is stopped; by age alone, few share a cell.
-      const auto name = ++statistics_.served % 4 == 0 ? queues_.take_from_oldest(most_claimed, worker.claimed)
-                                                      : queues_.take_from_longest(most_claimed, worker.claimed);
-      worker.woken_for = *name;
+      if (!queues_.take_from_named(serving_, most_claimed, worker.claimed))
+        serving_ = *(++statistics_.served % 4 == 0 ? queues_.take_from_oldest(most_claimed, worker.claimed)
+                                                   : queues_.take_from_longest(most_claimed, worker.claimed));
+      worker.woken_for = serving_;
     }
     if (!worker.claimed.empty()) {
       ++working_;
@@ -231,7 +236,7 @@ void QueuedPaths::begin_paths(Worker& worker) {
 bool QueuedPaths::has_room() {
   constexpr std::uint64_t paths_at_start = 2048, paths_a_serving = 64;
   if (alive_ >= paths_at_start + paths_a_serving * statistics_.served) return false;
-  constexpr std::size_t usual_search_bytes = 192;
+  constexpr std::size_t usual_search_bytes = 64;
   const std::size_t searches = search_bytes_.load(std::memory_order_relaxed),
                     to_come = std::max(searches, alive_ * usual_search_bytes) - searches;
   const std::size_t new_chunk = free_.empty() ? Chunk::bytes(state_words_, wants_) : 0;
@@ -272,7 +277,7 @@ void QueuedPaths::follow(Worker& worker, std::uint32_t id) {
   const std::uint64_t escaped = worker.rays.escaped;
   if (go_on(id, tools)) {
     s.dimension = sampler.dimension();
-    worker.waiting.push_back(id);
+    worker.waiting.emplace_back(id, s);
   } else {
     meter.stop();
     deliver(worker.exchange, id, worker.rays.escaped == escaped);

@@ -52,6 +52,7 @@ class QueuedPaths {
 
  private:
   struct Slot;
+  struct Wait;
   struct Cost;
   struct Chunk;
   struct Worker;
@@ -85,6 +86,7 @@ class QueuedPaths {
   std::vector<std::unique_ptr<Chunk>> chunks_;
   std::vector<std::uint32_t> free_;
   WaitingQueues queues_;
+  Key serving_ = 0;  // the queue that was chosen last, until it is empty
   std::size_t alive_ = 0;
   int working_ = 0;         // threads that may come back with paths that wait
   bool exhausted_ = false;  // no more samples

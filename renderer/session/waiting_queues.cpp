@@ -70,6 +70,13 @@ std::optional<Key> WaitingQueues::take_from_longest(std::size_t most, std::vecto
   return take_from(heap_[0], most, ids);
 }
 
+bool WaitingQueues::take_from_named(Key name, std::size_t most, std::vector<std::uint32_t>& ids) {
+  const auto queue = by_name_.find(name);
+  if (queue == by_name_.end()) return false;
+  take_from(queue->second, most, ids);
+  return true;
+}
+
 std::optional<Key> WaitingQueues::take_from_oldest(std::size_t most, std::vector<std::uint32_t>& ids) {
   while (!beginnings_.empty() && !lasts(beginnings_.front())) beginnings_.pop_front();
   if (beginnings_.empty()) return {};

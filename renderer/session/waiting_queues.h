@@ -22,12 +22,14 @@ namespace meristem {
 class WaitingQueues {
  public:
   // In so many one may wait.
-  static constexpr std::size_t most_names = 2 * std::tuple_size_v<MissingCells::Names>;
+  static constexpr std::size_t most_names = 2 * std::tuple_size_v<CellList::Names>;
   // An id that waits nowhere; at least one name, each once.
   void add(std::span<const Key> names, std::uint32_t id);
   // Appends up to `most` ids of the longest queue; the last to come go first, and wait nowhere any more. Returns the
   // queue's name; nothing if nobody waits.
   std::optional<Key> take_from_longest(std::size_t most, std::vector<std::uint32_t>& ids);
+  // The same of a queue by its name; false if nobody waits there.
+  bool take_from_named(Key name, std::size_t most, std::vector<std::uint32_t>& ids);
   // The same of the queue that exists for longest: short ones would wait until all long ones are gone.
   std::optional<Key> take_from_oldest(std::size_t most, std::vector<std::uint32_t>& ids);
 

@@ -116,7 +116,8 @@ TEST_F(SameImage, DepthFirstAndQueuedForAnyThreadsAndBudget) {
     EXPECT_EQ(queued.sha256, eager.sha256) << threads << " threads, " << budget << " bytes";
     EXPECT_TRUE(queued.expansion.defects.empty());
     ASSERT_TRUE(queued.queues);
-    EXPECT_GT(queued.queues->waits, queued.queues->served);
+    // Where nothing is forgotten hardly any ray waits.
+    EXPECT_TRUE(budget == no_limit || queued.queues->waits > queued.queues->served);
   }
   // Left to itself, the render goes over to queues where it pays.
   const Rendered small = render(ExpandMode::Lazy, 2, std::max(touched_bytes / 4, least_that_works(2)), RayOrder::Auto),

@@ -54,6 +54,18 @@ TEST(WaitingQueues, TheOldestGoesFirstIfAskedFor) {
   EXPECT_TRUE(queues.empty());
 }
 
+TEST(WaitingQueues, AQueueGoesByNameWhileItLasts) {
+  WaitingQueues queues;
+  for (std::uint32_t id = 0; id < 5; ++id) add(queues, {8}, id);
+  add(queues, {7}, 5);
+  std::vector<std::uint32_t> ids;
+  EXPECT_TRUE(queues.take_from_named(7, 10, ids));
+  EXPECT_EQ(ids, (std::vector<std::uint32_t>{5})) << "not the longest";
+  EXPECT_FALSE(queues.take_from_named(7, 10, ids));
+  EXPECT_TRUE(queues.take_from_named(8, 3, ids));
+  EXPECT_EQ(ids, (std::vector<std::uint32_t>{5, 4, 3, 2}));
+}
+
 TEST(WaitingQueues, WhoIsServedWaitsNowhereElse) {
   WaitingQueues queues;
   add(queues, {7, 8}, 0);
