@@ -35,12 +35,15 @@ class InUse {
   const UsedEntry used_;
 };
 
+// What an entry costs by resident set: between arrays that come and go malloc leaves gaps that it cannot use.
+std::size_t with_gaps(std::size_t bytes) { return bytes + bytes / 8; }
+
 // A resident cell: a surface patch, child cells behind a scene of their bounds, or placed parts.
 class CellEntry : public CacheEntry {
  public:
   CellEntry(std::unique_ptr<SurfacePatch> patch, Key key)
       : patch_(std::move(patch)), key_(key), real_bounds_(patch_->tessellation().bounds()) {
-    bytes = patch_->bytes() + sizeof(*this);
+    bytes = with_gaps(patch_->bytes() + sizeof(*this));
     label.is_surface = true;
     label.tree_bytes = patch_->bytes() - patch_->tessellation().bytes();
   }
@@ -50,7 +53,7 @@ class CellEntry : public CacheEntry {
   void set_instances(std::unique_ptr<Instances> instances) {
     instances_ = std::move(instances);
     real_bounds_ = instances_->bounds();
-    bytes = instances_->bytes() + sizeof(*this);
+    bytes = with_gaps(instances_->bytes() + sizeof(*this));
     label.tree_bytes = bytes;
   }
 
@@ -382,7 +385,8 @@ CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner)
     : root_(&root), inner_(std::move(inner)), slots_(std::make_unique<CacheSlot[]>(inner_->child_count())) {
   for (const Bounds3f& b : inner_->child_bounds) real_bounds_.extend(b);
   proxies_ = std::make_unique<ProxyScene>(inner_->child_bounds, BoxContents{this, intersect_child, occluded_child});
-  bytes = proxies_->bytes() + inner_->bytes() + inner_->child_count() * sizeof(CacheSlot) + sizeof(*this);
+  bytes =
+      with_gaps(proxies_->bytes() + inner_->bytes() + inner_->child_count() * sizeof(CacheSlot) + sizeof(*this));
   label.tree_bytes = proxies_->bytes();
 }
 

@@ -13,10 +13,10 @@ namespace {
 constexpr const char* variable = "GLIBC_TUNABLES";
 constexpr std::string_view malloc_tunables = "glibc.malloc.";
 // A thread's heap grows by small pages as they are needed, each a call of the kernel and never part of a huge page,
-// unless it is made 32 MiB larger at a time (top_pad); so much is kept at its end as well. A huge page is cleared when
+// unless it is made 16 MiB larger at a time (top_pad); so much is kept at its end as well. A huge page is cleared when
 // it is handed out, so arrays that come and go are better kept, too: none below 32 MiB is a mapping of its own.
 constexpr std::string_view wanted =
-    "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=33554432:glibc.malloc.top_pad=33554432:"
+    "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=33554432:glibc.malloc.top_pad=16777216:"
     "glibc.malloc.trim_threshold=8388608";
 
 }  // namespace
