@@ -1,6 +1,6 @@
 """Reads every text file of ours and names lines that break the habits of the tree: tabs, white space at the end, lines
-over 120 columns in sources, conflict marks, paths of one machine, hosts of package registries, a header without
-#pragma once, a file that does not end in a line feed.
+over 120 columns in sources, conflict marks, paths of one machine (in the metadata of PNG files, too), hosts of package
+registries, a header without #pragma once, a file that does not end in a line feed.
 
     text.py ROOT          checks the tree
     text.py --self-test   checks this check
@@ -18,11 +18,12 @@ GENERATED = {"docs/components.md", "docs/scene.schema.json"}
 LIMIT = 120
 
 # Patterns are written so that they do not match themselves.
+MACHINE_PATH = r"(?<![\w.])/(?:work|home|root)/"
 LINE_RULES = [
     (r"\t", "a tab"),
     (r"[ \t\r]$", "white space at the end of the line"),
     (r"^(<{7}|>{7}) ", "a conflict mark"),
-    (r"(?<![\w.])/(?:work|home|root)/", "a path of one machine"),
+    (MACHINE_PATH, "a path of one machine"),
     (r"(?:deb\.debian|pypi|pythonhosted|npmjs|proxy\.golang)\.org|crates\.io", "a host of a package registry"),
 ]
 
@@ -36,7 +37,21 @@ def texts_below(root):
                 yield path
 
 
+def errors_in_pictures(root):
+    for folder in FOLDERS:
+        for path in sorted((root / folder).rglob("*.png")):
+            data, at = path.read_bytes(), 8
+            while at < len(data):  # chunks: length, type, content, checksum
+                length, kind = int.from_bytes(data[at:at + 4], "big"), data[at + 4:at + 8]
+                content = data[at + 8:at + 8 + length]
+                if kind == b"tEXt" and re.search(MACHINE_PATH.encode(), content):
+                    entry = content.replace(b"\0", b" ").decode("latin-1")[:100]
+                    yield f"{path.relative_to(root).as_posix()}: a path of one machine: {entry}"
+                at += 12 + length
+
+
 def errors_in(root):
+    yield from errors_in_pictures(root)
     for path in texts_below(root):
         name = path.relative_to(root).as_posix()
         try:
@@ -71,11 +86,17 @@ def self_test():
         "docs/j.md": ("x" * 200 + "\n", None),
         "geometry/k.h": ("// ../root/x is no such path\n#pragma once\n", None),
     }
+    for path, text, expected in [("docs/p.png", "/home" + "/me/meristem", "path of one machine"),
+                                 ("docs/q.png", "build/meristem", None)]:
+        chunk = "meristem:command\0" + text
+        head = (len(chunk)).to_bytes(4, "big") + b"tEXt"
+        planted[path] = ("\x89PNG\r\n\x1a\n" + (head + chunk.encode() + bytes(4)).decode("latin-1"), expected)
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
         for path, (text, _) in planted.items():
             (root / path).parent.mkdir(exist_ok=True)
-            (root / path).write_bytes(text.encode(errors="surrogateescape"))
+            is_picture = path.endswith(".png")
+            (root / path).write_bytes(text.encode("latin-1" if is_picture else "utf-8", errors="surrogateescape"))
         found = list(errors_in(root))
     wrong = []
     for path, (_, expected) in planted.items():
