@@ -36,12 +36,13 @@ void BoxScene::occluded_box(const RTCOccludedFunctionNArguments* args) {
                     *reinterpret_cast<RTCRay*>(args->ray));
 }
 
-BoxScene::BoxScene(std::span<const Bounds3f> boxes, const BoxContents& contents) : contents_(contents), boxes_(boxes) {
+BoxScene::BoxScene(std::span<const Bounds3f> boxes, const BoxContents& contents) : contents_(contents) {
   if (boxes.size() <= FewBoxes::most) {
     few_.emplace(boxes);
     bytes_ = sizeof(*this) + few_->bytes();
     return;
   }
+  boxes_ = boxes;
   scene_.reset(rtcNewScene(embree_device()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = rtcNewGeometry(embree_device(), RTC_GEOMETRY_TYPE_USER);
@@ -54,6 +55,7 @@ BoxScene::BoxScene(std::span<const Bounds3f> boxes, const BoxContents& contents)
   rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
   bytes_ = sizeof(*this) + commit_scene(scene_.get());
+  boxes_ = {};  // the caller's
 }
 
 void BoxScene::intersect(RayContext& context, RTCRayHit& ray) const {

@@ -172,8 +172,10 @@ class LazyRoot final : public ModelRoot {
         entry = make_entry([&] { return child_cell(model(), inner, index); }, inner.level, inner.child_bounds[index],
                            inner.child_keys[index]);
       entry->name = child_name(inner, index);
-      const auto& cell = static_cast<const CellEntry&>(*entry);
-      parent.proxies().tighten(index, cell.real_bounds(), cell.boxes());
+      if (!parent.proxies().knows(index)) {  // as long as the parent lives, whatever becomes of the child
+        const auto& cell = static_cast<const CellEntry&>(*entry);
+        parent.proxies().tighten(index, cell.real_bounds(), cell.boxes());
+      }
       return entry;
     }));
   }
@@ -385,8 +387,7 @@ CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner)
     : root_(&root), inner_(std::move(inner)), slots_(std::make_unique<CacheSlot[]>(inner_->child_count())) {
   for (const Bounds3f& b : inner_->child_bounds) real_bounds_.extend(b);
   proxies_ = std::make_unique<ProxyScene>(inner_->child_bounds, BoxContents{this, intersect_child, occluded_child});
-  bytes =
-      with_gaps(proxies_->bytes() + inner_->bytes() + inner_->child_count() * sizeof(CacheSlot) + sizeof(*this));
+  bytes = with_gaps(proxies_->bytes() + inner_->bytes() + inner_->child_count() * sizeof(CacheSlot) + sizeof(*this));
   label.tree_bytes = proxies_->bytes();
 }
 

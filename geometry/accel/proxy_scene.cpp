@@ -23,20 +23,20 @@ ProxyScene::ProxyScene(std::span<const Bounds3f> bounds, const BoxContents& chil
     : bounds_(bounds), contents_(children), children_(bounds.size()) {
   scenes_.push_back(build());
   current_.store(scenes_.back().get(), std::memory_order_release);
-  bytes_ = scenes_.back()->bytes() * (1 + build_shares.size()) +
-           children_.size() * (sizeof(Child) + sizeof(Outline)) + sizeof(*this);
+  bytes_ = scenes_.back()->bytes() * (1 + build_shares.size()) + children_.size() * (sizeof(Child) + sizeof(Outline)) +
+           sizeof(*this);
 }
 
 std::unique_ptr<const BoxScene> ProxyScene::build() const {
   std::vector<Bounds3f> boxes(bounds_.begin(), bounds_.end());
   for (std::size_t i = 0; i < boxes.size(); ++i)
-    if (children_[i].is_known.load(std::memory_order_acquire)) boxes[i] = children_[i].real;
+    if (knows(i)) boxes[i] = children_[i].real;
   return std::make_unique<const BoxScene>(boxes, contents_);
 }
 
 float ProxyScene::entry(std::size_t index, const RaySpan& ray) const {
   const Child& child = children_[index];
-  if (!child.is_known.load(std::memory_order_acquire)) return earliest_entry(with_rounding_margin(bounds_[index]), ray);
+  if (!knows(index)) return earliest_entry(with_rounding_margin(bounds_[index]), ray);
   const float entry = earliest_entry(child.real, ray);
   return child.outline && entry <= ray.t_max ? child.outline->entry(ray) : entry;
 }
@@ -49,7 +49,6 @@ std::size_t ProxyScene::threshold() const {
 
 void ProxyScene::tighten(std::size_t index, const Bounds3f& real, std::span<const Bounds3f> boxes) {
   Child& child = children_[index];
-  if (child.is_known.load(std::memory_order_acquire)) return;
   child.real = with_rounding_margin(real);
   if (boxes.size() > 1) child.outline = std::make_unique<const Outline>(real, boxes, rounding_margin(real));
   child.is_known.store(true, std::memory_order_release);

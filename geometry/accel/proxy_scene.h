@@ -27,6 +27,8 @@ class ProxyScene {
   ProxyScene(std::span<const Bounds3f> bounds, const BoxContents& children);
 
   const BoxScene& scene() const { return *current_.load(std::memory_order_acquire); }
+  // Whether tighten() has been called for a child.
+  bool knows(std::size_t child) const { return children_[child].is_known.load(std::memory_order_acquire); }
   // Notes the real bounds of a child and boxes around all of it, once for each child; may build. Any thread; not while
   // holding a lock.
   void tighten(std::size_t child, const Bounds3f& real, std::span<const Bounds3f> boxes);
