@@ -35,6 +35,12 @@ class Intersector {
     (void)search;
     return (any ? occluded(ray) : intersect(ray, hit)) ? RaySearch::End::Met : RaySearch::End::Missed;
   }
+  // Between passes, while no thread traces: makes what is resident faster to trace, as long as that has room, and keeps
+  // it until it is called again, or unsettle(). Costs some microseconds a cell.
+  virtual void settle() {}
+  virtual void unsettle() {}
+  // Whether that has become a burden: tracing should stop soon for one of the two.
+  virtual bool is_crowded() const { return false; }
   // What the calling thread has expanded since it began to trace: differences say what a pixel cost. A few nanoseconds.
   virtual ThreadExpansions thread_expansions() const { return {}; }
   // Conservative bounds of everything, known before expansion.

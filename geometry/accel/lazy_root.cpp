@@ -1,3 +1,4 @@
+#include "geometry/accel/braided_cells.h"
 #include "geometry/accel/instances.h"
 #include "geometry/accel/leaf_store.h"
 #include "geometry/accel/model_root.h"
@@ -87,6 +88,7 @@ class CellEntry : public CacheEntry {
   bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray);
 
   const LazyRoot& root() const { return *root_; }
+  const SurfacePatch* patch() const { return patch_.get(); }
   const InnerCell* inner() const { return inner_.get(); }
   const Instances* instances() const { return instances_.get(); }
   CacheSlot& slot(std::size_t child) { return slots_[child]; }
@@ -141,10 +143,16 @@ class LazyRoot final : public ModelRoot {
         name_(hash_keys(identity(), std::bit_cast<std::uintptr_t>(source_.part.get()))) {}
 
   void intersect(RayContext& context, RTCRayHit& ray) const override {
-    if (CellEntry* cell = entered_root(context, ray.ray)) cell->intersect(context, ray);
+    if (takes_braid(context))
+      braided_->intersect(context, ray);
+    else if (CellEntry* cell = entered_root(context, ray.ray))
+      cell->intersect(context, ray);
   }
   void occluded(RayContext& context, RTCRay& ray) const override {
-    if (CellEntry* cell = entered_root(context, ray)) cell->occluded(context, ray);
+    if (takes_braid(context))
+      braided_->occluded(context, ray);
+    else if (CellEntry* cell = entered_root(context, ray))
+      cell->occluded(context, ray);
   }
   bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const override {
     ++context.acquired;
@@ -153,6 +161,8 @@ class LazyRoot final : public ModelRoot {
     if (slot_.state() == CacheSlot::State::Failed) return true;
     return way.empty() && note_anew(slot_, name_, root_entry(ray.ray), ray.ray, *context.search);
   }
+  std::size_t braid(std::vector<const ModelRoot*>& below) const override;
+  void unbraid() const override { braided_.reset(); }
   std::size_t bytes() const override { return sizeof(*this); }
   const Part* part() const { return source_.part.get(); }
   const Model& model() const { return *source_.part->model; }
@@ -184,6 +194,7 @@ class LazyRoot final : public ModelRoot {
   // noted it.
   CellEntry* entered_child(CellEntry& parent, std::size_t index, RayContext& context, const RTCRay& ray) const {
     ++context.acquired;
+    if (context.only_resident) return resident(parent.slot(index), context);
     if (!context.search) return child(parent, index, context.use);
     CacheSlot& slot = parent.slot(index);
     if (CellEntry* cell = found(slot)) return cell;
@@ -200,12 +211,19 @@ class LazyRoot final : public ModelRoot {
   CellEntry* found(CacheSlot& slot) const { return static_cast<CellEntry*>(cache_.find(slot)); }
 
  private:
+  bool takes_braid(const RayContext& context) const { return braided_ && !context.search && !context.visits; }
   CellEntry* entered_root(RayContext& context, const RTCRay& ray) const {
     ++context.acquired;
+    if (context.only_resident) return resident(slot_, context);
     if (!context.search) return root(context.use);
     if (CellEntry* cell = found(slot_)) return cell;
     note(slot_, name_, root_entry(ray), ray, *context.search);
     return nullptr;
+  }
+  CellEntry* resident(CacheSlot& slot, RayContext& context) const {
+    CellEntry* const cell = found(slot);
+    if (!cell && slot.state() != CacheSlot::State::Failed) context.has_passed_by = true;
+    return cell;
   }
   float root_entry(const RTCRay& ray) const { return earliest_entry(with_rounding_margin(bounds()), span_of(ray)); }
 
@@ -322,12 +340,13 @@ class LazyRoot final : public ModelRoot {
   const Bounds3f reach_;                    // of what stands on it; empty: it is shown itself
   const Key name_;                          // of its root cell, for rays that wait
   mutable CacheSlot slot_;
+  mutable std::unique_ptr<const BraidedCells> braided_;  // null: rays go through the cells
 };
 
 std::vector<Bounds3f> CellEntry::boxes() const {
   std::vector<Bounds3f> boxes;
   if (patch_)
-    boxes = patch_->tree().boxes(Outline::most_boxes);
+    for (const SurfaceTree::Part& p : patch_->tree().parts(Outline::most_boxes)) boxes.push_back(p.box);
   else if (inner_)
     boxes = inner_->child_bounds;
   else
@@ -381,6 +400,44 @@ void occluded_child(void* parent, std::uint32_t index, RayContext& context, RTCR
     if (context.visits) ++context.visits[cell->label.cell_class];
     cell->occluded(context, ray);
   }
+}
+
+// What a braid is made of: the surfaces below a cell that is split, and what else stands in its children.
+struct Strands {
+  std::vector<BraidedCells::Surface> surfaces;
+  std::vector<BraidedCells::Other> others;
+  std::vector<const ModelRoot*>& roots;  // that stand in instances
+
+  void add(CellEntry& cell) {
+    for (std::uint32_t i = 0; i < cell.inner()->child_count(); ++i) {
+      CellEntry* const child = cell.root().found(cell.slot(i));
+      if (child && child->patch()) {
+        surfaces.push_back({child->patch(), cell.inner()->child_keys[i]});
+      } else if (child && child->inner()) {
+        add(*child);
+      } else {
+        others.push_back({cell.proxies().bounds(i), {&cell, intersect_child, occluded_child}, i});
+        if (child) add_roots(*child);
+      }
+    }
+  }
+  void add_roots(const CellEntry& cell) {
+    const std::vector<const ModelRoot*> placed = cell.instances()->roots();
+    roots.insert(roots.end(), placed.begin(), placed.end());
+  }
+};
+
+std::size_t LazyRoot::braid(std::vector<const ModelRoot*>& below) const {
+  CellEntry* const cell = found(slot_);
+  if (!cell || cell->patch()) return 0;
+  Strands strands{{}, {}, below};
+  if (!cell->inner()) {
+    strands.add_roots(*cell);
+    return 0;
+  }
+  strands.add(*cell);
+  braided_ = std::make_unique<const BraidedCells>(std::move(strands.surfaces), std::move(strands.others));
+  return braided_->bytes();
 }
 
 CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner)

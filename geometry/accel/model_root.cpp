@@ -18,10 +18,17 @@ TreeRay tree_ray(const RTCRay& ray) { return {{ray.org_x, ray.org_y, ray.org_z},
 
 bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRay& ray) {
   TreeHit hit{ray.tfar};
-  if (!patch.intersect(*context.tree_ray, ray.tnear, hit)) return false;
+  return patch.intersect(*context.tree_ray, ray.tnear, hit) && take_hit(patch, key, hit, context, ray);
+}
+
+bool take_hit(const SurfacePatch& patch, Key key, const TreeHit& hit, RayContext& context, RTCRay& ray) {
   key = hash_keys(key, context.path);
-  const bool lost_tie = hit.t == ray.tfar && context.has_hit && context.patch_key < key;
-  if (lost_tie) return false;
+  if (hit.t == ray.tfar && context.has_hit) {
+    // Of one patch another part may have been met already
+    const bool lost_tie =
+        context.patch_key == key ? context.patch_hit.triangle < hit.triangle : context.patch_key < key;
+    if (lost_tie) return false;
+  }
   ray.tfar = hit.t;
   context.has_hit = true;
   context.patch = &patch;

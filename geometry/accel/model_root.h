@@ -35,6 +35,8 @@ struct RayContext {
   RayUse use;
   std::uint32_t* visits = nullptr;  // of a sampled ray: counts of the cells it meets, by class
   std::uint32_t acquired = 0;       // cells that were asked for
+  bool only_resident = false;       // cells that are not resident are passed by
+  bool has_passed_by = false;       // one was
 
   // Of a ray that expands nothing but what it waited for.
   struct Search {
@@ -74,6 +76,13 @@ class ModelRoot {
     (void)way, (void)context, (void)ray;
     return true;
   }
+  // Between two passes, while nothing is traced: rays go through what is resident below faster from now on, which must
+  // stay so until unbraid(). Adds the roots that stand in it; returns the bytes it costs.
+  virtual std::size_t braid(std::vector<const ModelRoot*>& below) const {
+    (void)below;
+    return 0;
+  }
+  virtual void unbraid() const {}
   const Bounds3f& bounds() const { return bounds_; }
   virtual std::size_t bytes() const = 0;  // of the root alone, nothing expanded
 
@@ -87,6 +96,8 @@ class ModelRoot {
 // Traces a patch for a ray that may have a hit already; of two hits at one distance the smaller key wins. Returns
 // whether the patch holds the nearest hit now.
 bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRay& ray);
+// The second half of it: what has been met up to ray.tfar.
+bool take_hit(const SurfacePatch& patch, Key key, const TreeHit& hit, RayContext& context, RTCRay& ray);
 TreeRay tree_ray(const RTCRay& ray);
 // As Embree's callbacks say that something is in the way: tfar becomes -infinity.
 void occlude_with_patch(const SurfacePatch& patch, const RayContext& context, RTCRay& ray);

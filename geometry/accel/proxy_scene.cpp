@@ -28,9 +28,8 @@ ProxyScene::ProxyScene(std::span<const Bounds3f> bounds, const BoxContents& chil
 }
 
 std::unique_ptr<const BoxScene> ProxyScene::build() const {
-  std::vector<Bounds3f> boxes(bounds_.begin(), bounds_.end());
-  for (std::size_t i = 0; i < boxes.size(); ++i)
-    if (knows(i)) boxes[i] = children_[i].real;
+  std::vector<Bounds3f> boxes(bounds_.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = bounds(i);
   return std::make_unique<const BoxScene>(boxes, contents_);
 }
 

@@ -32,6 +32,8 @@ class ProxyScene {
   // Notes the real bounds of a child and boxes around all of it, once for each child; may build. Any thread; not while
   // holding a lock.
   void tighten(std::size_t child, const Bounds3f& real, std::span<const Bounds3f> boxes);
+  // The box of a child, by what is known of it now.
+  const Bounds3f& bounds(std::size_t child) const { return knows(child) ? children_[child].real : bounds_[child]; }
   // Where a ray enters a child, by what is known of it now; infinity if it does not.
   float entry(std::size_t child, const RaySpan& ray) const;
   // Of all scenes it may come to hold.

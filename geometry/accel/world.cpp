@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <limits>
+#include <set>
 
 namespace meristem {
 
@@ -78,6 +79,7 @@ class World final : public Intersector {
     limit_plans(options);
     run_isolated([&] { worlds_ = std::make_unique<ClassWorlds>(objects, options, roots_); });
     if (options.mode != ExpandMode::Lazy) expand_everything(worlds_->roots(), options.threads);
+    settle();
   }
 
   bool intersect(const Ray& ray, SurfaceHit& hit) const override {
@@ -106,7 +108,12 @@ class World final : public Intersector {
     context.tree_ray = &tree;
     const SampledRay sampled(recorder_.get(), context);
     const VisitIfEvicted visit(cache_);
-    worlds_->route(ray).occluded(context, query);
+    // What is resident may be in the way, and spare what is not its expansion.
+    const RayRoute route = worlds_->route(ray);
+    context.only_resident = true;
+    route.occluded(context, query);
+    context.only_resident = false;
+    if (query.tfar >= 0 && context.has_passed_by) route.occluded(context, query);
     if (context.acquired > 0) cache_.count_acquired(context.acquired);
     return query.tfar < 0;
   }
@@ -140,6 +147,26 @@ class World final : public Intersector {
     if (end != RaySearch::End::Waits) driver.end();
     return end;
   }
+
+  void unsettle() override {
+    for (const ModelRoot* root : braided_) root->unbraid();
+    braided_.clear();
+    braid_bytes_ = 0;
+    cache_.release_kept();
+  }
+  void settle() override {
+    unsettle();
+    if (!has_room_to_keep()) return;
+    cache_.keep_resident();
+    std::vector<const ModelRoot*> roots = worlds_->roots();
+    std::set<const ModelRoot*> seen;
+    for (std::size_t i = 0; i < roots.size(); ++i)
+      if (const ModelRoot* const root = roots[i]; seen.insert(root).second) {
+        braid_bytes_ += root->braid(roots);
+        braided_.push_back(root);
+      }
+  }
+  bool is_crowded() const override { return cache_.is_crowded(); }
 
   ThreadExpansions thread_expansions() const override {
     const GeometryCache::ThreadCounts counts = cache_.thread_counts();
@@ -218,9 +245,17 @@ class World final : public Intersector {
     return true;
   }
 
+  // What is kept must leave a part of the budget to what will be expanded, and braids cost a few hundredths.
+  bool has_room_to_keep() const {
+    constexpr double most_kept = 0.75;
+    const CacheStatistics c = cache_.statistics();
+    return c.evictions == 0 &&
+           double(c.resident_bytes + bytes_beside_cells()) <= most_kept * double(cache_.budget_bytes());
+  }
+
   std::size_t bytes_beside_cells() const {
     return shared_plan_bytes() + roots_.bytes() + (worlds_ ? worlds_->bytes() : 0) +
-           (scratch_ ? scratch_->index_bytes() : 0);
+           (scratch_ ? scratch_->index_bytes() : 0) + braid_bytes_;
   }
 
   const std::unique_ptr<ExpansionRecorder> recorder_;  // null: nothing is recorded
@@ -230,6 +265,8 @@ class World final : public Intersector {
   mutable std::atomic<std::uint64_t> invalid_rays_{0};
   Roots roots_;
   std::unique_ptr<ClassWorlds> worlds_;
+  std::vector<const ModelRoot*> braided_;
+  std::size_t braid_bytes_ = 0;
 };
 
 }  // namespace

@@ -215,9 +215,11 @@ void GeometryCache::note_peaks() {
 void GeometryCache::evict_to_budget() {
   const std::size_t budget = entry_budget();
   // Two rounds of the hand: the first clears used bits, the second takes what nobody asked for since.
-  for (std::size_t looked_at = 0; statistics_.resident_bytes > budget && looked_at < 2 * clock_.size() + 2;
+  for (std::size_t looked_at = 0; statistics_.resident_bytes > budget && looked_at < 2 * (clock_.size() - kept_) + 2;
        ++looked_at) {
-    if (hand_ >= clock_.size()) hand_ = 0;
+    if (kept_ > 0) is_crowded_.store(true, std::memory_order_relaxed);
+    if (hand_ >= clock_.size()) hand_ = kept_;
+    if (hand_ >= clock_.size()) return;
     CacheEntry& entry = *clock_[hand_];
     if (entry.holds_ > 0 || entry.children_ > 0)
       ++hand_;
@@ -226,6 +228,18 @@ void GeometryCache::evict_to_budget() {
     else
       evict(entry);  // the last entry takes its place under the hand
   }
+}
+
+void GeometryCache::keep_resident() {
+  const std::lock_guard lock(mutex_);
+  kept_ = clock_.size();
+  hand_ = kept_;
+}
+
+void GeometryCache::release_kept() {
+  const std::lock_guard lock(mutex_);
+  kept_ = 0;
+  is_crowded_.store(false, std::memory_order_relaxed);
 }
 
 void GeometryCache::evict(CacheEntry& entry) {

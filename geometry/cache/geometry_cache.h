@@ -154,6 +154,12 @@ class GeometryCache {
     std::atomic<std::uint64_t>& mine_;
   };
 
+  // What is resident now stays until release_kept(). Not while threads trace.
+  void keep_resident();
+  void release_kept();
+  // Whether the budget has been too small since for more than what is kept.
+  bool is_crowded() const { return is_crowded_.load(std::memory_order_relaxed); }
+
   std::size_t budget_bytes() const { return budget_bytes_; }
   CacheStatistics statistics() const;
   // What the calling thread expanded so far, in its life and that of threads that had its index before.
@@ -209,12 +215,14 @@ class GeometryCache {
   std::array<ThreadEpoch, max_threads> threads_;
   std::atomic<std::uint64_t> epoch_{1};
   std::atomic<std::uint64_t> waits_{0};
+  std::atomic<bool> is_crowded_{false};
   static constexpr std::size_t name_buckets = 1 << 15;
   std::vector<std::atomic<std::uint32_t>> names_ =  // of resident entries, by bucket; written under mutex_
       std::vector<std::atomic<std::uint32_t>>(name_buckets);
 
   mutable std::mutex mutex_;
   std::vector<CacheEntry*> clock_;  // resident entries; owned
+  std::size_t kept_ = 0;            // the first of them stay
   std::size_t hand_ = 0;
   std::vector<CacheEntry*> limbo_;  // evicted and not held, by evicted_epoch_; owned
   CacheStatistics statistics_;

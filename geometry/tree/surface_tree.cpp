@@ -66,34 +66,39 @@ SurfaceTree::Triangle SurfaceTree::triangle(std::uint32_t met) const {
   return {{v11, v01, v10}, none, node.grid};
 }
 
+namespace {
+
+// Of a child; rounded outwards, since a plane may have more digits than a float.
+Bounds3f box_of(const SurfaceTree::Node& node, std::size_t child) {
+  Bounds3f box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double step = std::ldexp(1., node.exponent[axis] - 127), origin = node.origin[axis];
+    const double lower = origin + node.bounds[axis][0][child] * step,
+                 upper = origin + node.bounds[axis][1][child] * step;
+    const float near_lower = float(lower), near_upper = float(upper);
+    box.lower[int(axis)] = near_lower > lower ? std::nextafter(near_lower, -INFINITY) : near_lower;
+    box.upper[int(axis)] = near_upper < upper ? std::nextafter(near_upper, INFINITY) : near_upper;
+  }
+  return box;
+}
+
+}  // namespace
+
 // From the root on, the largest box is divided that can be.
-std::vector<Bounds3f> SurfaceTree::boxes(std::size_t most) const {
-  struct Part {
-    Bounds3f box;
-    std::uint32_t node;  // none: a block
-    float area() const { return node == none ? 0 : box.surface_area(); }
-  };
+std::vector<SurfaceTree::Part> SurfaceTree::parts(std::size_t most) const {
   if (nodes_.empty()) return {};
+  const auto area = [](const Part& p) { return p.start & is_block ? 0 : p.box.surface_area(); };
   std::vector<Part> parts{{{}, 0}};
-  for (auto largest = parts.begin(); largest->node != none;) {
-    const Node& node = nodes_[largest->node];
+  for (auto largest = parts.begin(); !(largest->start & is_block);) {
+    const std::uint32_t index = largest->start;
+    const Node& node = nodes_[index];
     if (parts.size() - 1 + node.children > most) break;
     parts.erase(largest);
-    for (std::size_t c = 0; c < node.children; ++c) {
-      Part part{{}, node.shape[c] == 0 ? node.first[c] : none};
-      for (int axis = 0; axis < 3; ++axis) {
-        const float step = std::ldexp(1.f, node.exponent[std::size_t(axis)] - 127);
-        const float origin = node.origin[std::size_t(axis)];
-        part.box.lower[axis] = origin + float(node.bounds[axis][0][c]) * step;
-        part.box.upper[axis] = origin + float(node.bounds[axis][1][c]) * step;
-      }
-      parts.push_back(part);
-    }
-    largest = std::ranges::max_element(parts, {}, &Part::area);
+    for (std::uint32_t c = 0; c < node.children; ++c)
+      parts.push_back({box_of(node, c), node.shape[c] == 0 ? node.first[c] : (8 * index + c) | is_block});
+    largest = std::ranges::max_element(parts, {}, area);
   }
-  std::vector<Bounds3f> boxes;
-  for (const Part& p : parts) boxes.push_back(p.box);
-  return boxes;
+  return parts;
 }
 
 std::size_t SurfaceTree::bytes() const { return nodes_.capacity() * sizeof(Node); }

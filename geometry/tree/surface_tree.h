@@ -65,8 +65,14 @@ class SurfaceTree {
   Triangle triangle(std::uint32_t met) const;
 
   std::size_t bytes() const;
-  // Up to so many boxes, at least eight, that hold all triangles, small ones.
-  std::vector<Bounds3f> boxes(std::size_t most) const;
+  // Up to so many small parts, at least eight, that hold all triangles.
+  struct Part {
+    Bounds3f box;         // no larger than it has to be but for rounding
+    std::uint32_t start;  // index of a node, or 8 * node + child of a block, with is_block
+  };
+  static constexpr std::uint32_t is_block = std::uint32_t(1) << 31;
+  std::vector<Part> parts(std::size_t most) const;
+  const std::array<std::uint32_t, 3>* triangles() const { return triangles_; }
 
   // What a ray keeps for later at most: of each level all children but one. No tree is deeper.
   static constexpr int most_levels = 64, most_waiting = 7 * most_levels;

@@ -32,17 +32,7 @@ class Builder {
  private:
   void make_inner_node(BuiltTree& out, std::size_t index, const Range& range, int level) const {
     std::array<Range, most_children> children;
-    std::size_t count = 1;
-    children[0] = range;
-    while (count < most_children) {
-      Range* largest = nullptr;
-      for (std::size_t i = 0; i < count; ++i)
-        if (children[i].extent.weight > node_weight &&
-            (!largest || children[i].extent.box.area() > largest->extent.box.area()))
-          largest = &children[i];
-      if (!largest) break;
-      std::tie(*largest, children[count++]) = split(*largest, level);
-    }
+    const std::size_t count = split_for_node(range, level, node_weight, children);
     const std::size_t first = out.nodes.size();
     out.nodes.resize(first + count);
     NodeWriter writer(range.extent.box);

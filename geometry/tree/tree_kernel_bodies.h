@@ -126,14 +126,16 @@ struct Sheared {
   F8 x, y, z;
 };
 
-// What does not change while a ray goes through a tree. Z is the axis of its ray.
+// What does not change while a ray goes through trees. Z is the axis of the ray.
 template <int Z>
 struct RayLanes {
-  explicit RayLanes(const TreeRay& ray)
-      : origin{splat(ray.origin[0]), splat(ray.origin[1]), splat(ray.origin[2])},
-        shear_x(splat(ray.shear_x)),
-        shear_y(splat(ray.shear_y)),
-        shear_z(splat(ray.shear_z)) {}
+  RayLanes(const TreeRay& r, float t_from)
+      : ray(r),
+        origin{splat(r.origin[0]), splat(r.origin[1]), splat(r.origin[2])},
+        shear_x(splat(r.shear_x)),
+        shear_y(splat(r.shear_y)),
+        shear_z(splat(r.shear_z)),
+        t_min(splat(t_from)) {}
 
   MERISTEM_INLINE Sheared sheared(const F8 (&p)[3]) const {
     constexpr int x = (Z + 1) % 3, y = (Z + 2) % 3;
@@ -142,8 +144,10 @@ struct RayLanes {
             mul(shear_z, along)};
   }
 
+  const TreeRay& ray;
   F8 origin[3];
   F8 shear_x, shear_y, shear_z;
+  F8 t_min;
 };
 
 MERISTEM_INLINE __m128 load_point(const Vec3f* p) { return _mm_loadu_ps(&p->x); }
@@ -185,8 +189,7 @@ MERISTEM_INLINE void load_corners(const TreeView& tree, std::uint32_t block, con
 
 // Woop et al. 2013: U, V, W are twice the signed areas of the triangles that the ray makes with the edges.
 template <int Z, bool Any>
-MERISTEM_INLINE bool meet_block(const TreeView& tree, std::uint32_t block, const RayLanes<Z>& ray, F8 t_min,
-                                TreeHit& hit) {
+MERISTEM_INLINE bool meet_block(const TreeView& tree, std::uint32_t block, const RayLanes<Z>& ray, TreeHit& hit) {
   Sheared a, b, c;
   load_corners(tree, block, ray, a, b, c);
   const F8 u = sub(mul(c.x, b.y), mul(c.y, b.x)), v = sub(mul(a.x, c.y), mul(a.y, c.x)),
@@ -198,7 +201,7 @@ MERISTEM_INLINE bool meet_block(const TreeView& tree, std::uint32_t block, const
   met &= ~where_zero(area);
   if (met == 0) return false;
   const F8 t = div(add(add(mul(u, a.z), mul(v, b.z)), mul(w, c.z)), area);
-  met &= where_lt(t_min, t) & where_le(t, splat(hit.t));
+  met &= where_lt(ray.t_min, t) & where_le(t, splat(hit.t));
   if (met == 0) return false;
   if constexpr (Any) return true;
   alignas(32) float ts[8], vs[8], ws[8], areas[8];
@@ -216,8 +219,10 @@ MERISTEM_INLINE bool meet_block(const TreeView& tree, std::uint32_t block, const
 }
 
 // The children of a node that the ray may meet up to t, and from where on.
-MERISTEM_INLINE unsigned meet_children(const SurfaceTree::Node& node, const TreeRay& ray, __m128 origin,
-                                       __m128 reciprocal, __m128 slack, F8 t_min, float t, F8& entries) {
+MERISTEM_INLINE unsigned meet_children(const SurfaceTree::Node& node, const TreeRay& ray, F8 t_min, float t,
+                                       F8& entries) {
+  const __m128 origin = _mm_load_ps(ray.origin.data()), reciprocal = _mm_load_ps(ray.reciprocal.data()),
+               slack = _mm_load_ps(ray.slack.data());
   const __m128 distance = _mm_sub_ps(_mm_loadu_ps(node.origin.data()), origin);
   int exponents;  // and what stands behind them
   __builtin_memcpy(&exponents, reinterpret_cast<const char*>(&node) + sizeof node.origin, sizeof exponents);
@@ -242,106 +247,170 @@ struct Entered {
   std::uint32_t child;
   float t;
 };
-constexpr std::uint32_t is_block = std::uint32_t(1) << 31;
 
-// What a ray meets next is asked for while it is with others.
-MERISTEM_INLINE void prefetch(const TreeView& tree, const SurfaceTree::Node& node, std::uint32_t child) {
-  const std::uint32_t first = node.first[child], stride = node.stride[child];
-  if (stride > 0) {
-    const char* const row = reinterpret_cast<const char*>(tree.positions + first);
-    _mm_prefetch(row, _MM_HINT_T0);
-    _mm_prefetch(row + stride * sizeof(Vec3f), _MM_HINT_T0);
-    _mm_prefetch(row + 2 * stride * sizeof(Vec3f), _MM_HINT_T0);
-  } else if (node.shape[child] == 0) {
-    const char* const next = reinterpret_cast<const char*>(tree.nodes + first);
-    _mm_prefetch(next, _MM_HINT_T0);
-    _mm_prefetch(next + 64, _MM_HINT_T0);
+// What is still to be met, the nearest last.
+struct Waiting {
+  Entered stack[SurfaceTree::most_waiting];
+  std::size_t count = 0;
+
+  // The next that may lie before t.
+  MERISTEM_INLINE bool take(float t, std::uint32_t& child) {
+    do {
+      if (count == 0) return false;
+      --count;
+    } while (stack[count].t > t);
+    child = stack[count].child;
+    return true;
+  }
+};
+
+// A child of a node that is no node itself.
+constexpr std::uint32_t is_end = SurfaceTree::is_block;
+
+MERISTEM_INLINE void prefetch_node(const SurfaceTree::Node& node) {
+  const char* const lines = reinterpret_cast<const char*>(&node);
+  _mm_prefetch(lines, _MM_HINT_T0);
+  _mm_prefetch(lines + 64, _MM_HINT_T0);
+}
+
+// The children of tree nodes: blocks are ends, by 8 * node + child.
+struct OfTree {
+  const TreeView& tree;
+
+  const SurfaceTree::Node& node(std::uint32_t index) const { return tree.nodes[index]; }
+  MERISTEM_INLINE std::uint32_t child(const SurfaceTree::Node& node, std::uint32_t index, std::uint32_t place) const {
+    return node.shape[place] == 0 ? node.first[place] : (8 * index + place) | is_end;
+  }
+  // What a ray meets next is asked for while it is with others.
+  MERISTEM_INLINE void prefetch(const SurfaceTree::Node& node, std::uint32_t place) const {
+    const std::uint32_t first = node.first[place], stride = node.stride[place];
+    if (stride > 0) {
+      const char* const row = reinterpret_cast<const char*>(tree.positions + first);
+      _mm_prefetch(row, _MM_HINT_T0);
+      _mm_prefetch(row + stride * sizeof(Vec3f), _MM_HINT_T0);
+      _mm_prefetch(row + 2 * stride * sizeof(Vec3f), _MM_HINT_T0);
+    } else if (node.shape[place] == 0) {
+      prefetch_node(tree.nodes[first]);
+    }
+  }
+};
+
+// Those of a braid's nodes: strands are ends, by their number.
+struct OfBraid {
+  const Braid::View& braid;
+
+  const SurfaceTree::Node& node(std::uint32_t index) const { return braid.nodes[index]; }
+  MERISTEM_INLINE std::uint32_t child(const SurfaceTree::Node& node, std::uint32_t, std::uint32_t place) const {
+    return node.shape[place] == 0 ? node.first[place] : node.first[place] | is_end;
+  }
+  MERISTEM_INLINE void prefetch(const SurfaceTree::Node& node, std::uint32_t place) const {
+    if (node.shape[place] == 0)
+      prefetch_node(braid.nodes[node.first[place]]);
+    else
+      _mm_prefetch(reinterpret_cast<const char*>(braid.strands + node.first[place]), _MM_HINT_T0);
+  }
+};
+
+// Goes on from a node to the nearest of its children that the ray may meet up to t; the others wait. Any: to the first
+// of them. False: it meets none.
+template <bool Any, class Of, int Z>
+MERISTEM_INLINE bool descend(const Of& of, std::uint32_t& index, const RayLanes<Z>& ray, float t, Waiting& waiting) {
+  const SurfaceTree::Node& node = of.node(index);
+  F8 entries;
+  unsigned met = meet_children(node, ray.ray, ray.t_min, t, entries);
+  if (met == 0) return false;
+  const auto place = std::uint32_t(std::countr_zero(met));
+  met &= met - 1;
+  if (met == 0) {
+    index = of.child(node, index, place);
+    return true;
+  }
+  alignas(32) float ts[8];
+  store(ts, entries);
+  for (unsigned rest = met; rest; rest &= rest - 1) of.prefetch(node, std::uint32_t(std::countr_zero(rest)));
+  Entered nearest{of.child(node, index, place), ts[place]};
+  const std::size_t first = waiting.count;
+  for (; met; met &= met - 1) {
+    const auto next = std::uint32_t(std::countr_zero(met));
+    Entered farther{of.child(node, index, next), ts[next]};
+    std::size_t at = waiting.count++;
+    if constexpr (!Any) {
+      if (farther.t < nearest.t) std::swap(farther, nearest);
+      for (; at > first && waiting.stack[at - 1].t < farther.t; --at) waiting.stack[at] = waiting.stack[at - 1];
+    }
+    waiting.stack[at] = farther;
+  }
+  index = nearest.child;
+  return true;
+}
+
+// From a node or block of the tree on.
+template <bool Any, int Z>
+bool trace(const TreeView& tree, std::uint32_t start, const RayLanes<Z>& ray, TreeHit& hit) {
+  Waiting waiting;
+  bool found = false;
+  for (std::uint32_t child = start;;) {
+    if (!(child & is_end)) {
+      if (descend<Any>(OfTree{tree}, child, ray, hit.t, waiting)) continue;
+    } else if (meet_block<Z, Any>(tree, child & ~is_end, ray, hit)) {
+      if constexpr (Any) return true;
+      found = true;
+    }
+    if (!waiting.take(hit.t, child)) return found;
   }
 }
 
-// Of a node the index; of a block 8 * node + child.
-MERISTEM_INLINE std::uint32_t child_of(const SurfaceTree::Node& node, std::uint32_t index, std::uint32_t child) {
-  return node.shape[child] == 0 ? node.first[child] : (8 * index + child) | is_block;
-}
-
-template <int Z, bool Any>
-bool trace(const TreeView& tree, const TreeRay& ray, float t_from, TreeHit& hit) {
-  const RayLanes<Z> lanes(ray);
-  const __m128 origin = _mm_load_ps(ray.origin.data()), reciprocal = _mm_load_ps(ray.reciprocal.data()),
-               slack = _mm_load_ps(ray.slack.data());
-  const F8 t_min = splat(t_from);
-  Entered stack[SurfaceTree::most_waiting];
-  std::size_t waiting = 0;
-  bool found = false;
-  std::uint32_t child = 0;
-  for (;;) {
-    if (child & is_block) {
-      if (meet_block<Z, Any>(tree, child & ~is_block, lanes, t_min, hit)) {
-        if constexpr (Any) return true;
-        found = true;
-      }
+template <bool Any, int Z>
+bool trace(const Braid::View& braid, const RayLanes<Z>& ray, BraidVisitor& visitor) {
+  Waiting waiting;
+  for (std::uint32_t child = 0;;) {
+    if (!(child & is_end)) {
+      if (descend<Any>(OfBraid{braid}, child, ray, visitor.t_max, waiting)) continue;
     } else {
-      const SurfaceTree::Node& node = tree.nodes[child];
-      F8 entries;
-      unsigned met = meet_children(node, ray, origin, reciprocal, slack, t_min, hit.t, entries);
-      if (met) {
-        const auto place = std::uint32_t(std::countr_zero(met));
-        met &= met - 1;
-        if (met == 0) {
-          child = child_of(node, child, place);
-          continue;
+      const Braid::Strand& strand = braid.strands[child & ~is_end];
+      if (strand.nodes) {
+        TreeHit hit{visitor.t_max};
+        if (trace<Any>({strand.nodes, strand.triangles, strand.positions}, strand.start, ray, hit)) {
+          if constexpr (Any) return true;
+          visitor.met(strand.owner, hit);
         }
-        alignas(32) float t[8];
-        store(t, entries);
-        for (unsigned rest = met; rest; rest &= rest - 1) prefetch(tree, node, std::uint32_t(std::countr_zero(rest)));
-        Entered nearest{child_of(node, child, place), t[place]};
-        if constexpr (Any) {
-          for (; met; met &= met - 1) {
-            const auto next = std::uint32_t(std::countr_zero(met));
-            stack[waiting++] = {child_of(node, child, next), t[next]};
-          }
-        } else {
-          // Those that wait, the nearest last.
-          const std::size_t first = waiting;
-          for (; met; met &= met - 1) {
-            const auto next = std::uint32_t(std::countr_zero(met));
-            Entered farther{child_of(node, child, next), t[next]};
-            if (farther.t < nearest.t) std::swap(farther, nearest);
-            std::size_t at = waiting++;
-            for (; at > first && stack[at - 1].t < farther.t; --at) stack[at] = stack[at - 1];
-            stack[at] = farther;
-          }
-        }
-        child = nearest.child;
-        continue;
+      } else {
+        visitor.enter(strand.owner);
+        if constexpr (Any)
+          if (visitor.t_max < 0) return true;
       }
     }
-    do {
-      if (waiting == 0) return found;
-      --waiting;
-    } while (stack[waiting].t > hit.t);
-    child = stack[waiting].child;
+    if (!waiting.take(visitor.t_max, child)) return false;
+  }
+}
+
+template <class Trace>
+MERISTEM_INLINE bool along_axis(const TreeRay& ray, float t_min, const Trace& trace) {
+  switch (ray.axis) {
+    case 0: return trace(RayLanes<0>(ray, t_min));
+    case 1: return trace(RayLanes<1>(ray, t_min));
+    default: return trace(RayLanes<2>(ray, t_min));
   }
 }
 
 bool intersect(const TreeView& tree, const TreeRay& ray, float t_min, TreeHit& hit) {
-  switch (ray.axis) {
-    case 0: return trace<0, false>(tree, ray, t_min, hit);
-    case 1: return trace<1, false>(tree, ray, t_min, hit);
-    default: return trace<2, false>(tree, ray, t_min, hit);
-  }
+  return along_axis(ray, t_min, [&](const auto& lanes) { return trace<false>(tree, 0, lanes, hit); });
 }
 
 bool occluded(const TreeView& tree, const TreeRay& ray, float t_min, float t_max) {
   TreeHit hit{t_max};
-  switch (ray.axis) {
-    case 0: return trace<0, true>(tree, ray, t_min, hit);
-    case 1: return trace<1, true>(tree, ray, t_min, hit);
-    default: return trace<2, true>(tree, ray, t_min, hit);
-  }
+  return along_axis(ray, t_min, [&](const auto& lanes) { return trace<true>(tree, 0, lanes, hit); });
 }
 
-constexpr TreeKernels table{intersect, occluded};
+void intersect_braid(const Braid::View& braid, const TreeRay& ray, float t_min, BraidVisitor& visitor) {
+  along_axis(ray, t_min, [&](const auto& lanes) { return trace<false>(braid, lanes, visitor); });
+}
+
+bool occlude_braid(const Braid::View& braid, const TreeRay& ray, float t_min, BraidVisitor& visitor) {
+  return along_axis(ray, t_min, [&](const auto& lanes) { return trace<true>(braid, lanes, visitor); });
+}
+
+constexpr TreeKernels table{intersect, occluded, intersect_braid, occlude_braid};
 
 }  // namespace
 }  // namespace meristem

@@ -1,6 +1,7 @@
-// The loops of SurfaceTree for rays, once for each instruction set.
+// The loops of SurfaceTree and Braid for rays, once for each instruction set.
 #pragma once
 
+#include "geometry/tree/braid.h"
 #include "geometry/tree/surface_tree.h"
 
 namespace meristem {
@@ -14,6 +15,8 @@ struct TreeView {
 struct TreeKernels {
   bool (*intersect)(const TreeView& tree, const TreeRay& ray, float t_min, TreeHit& hit);
   bool (*occluded)(const TreeView& tree, const TreeRay& ray, float t_min, float t_max);
+  void (*intersect_braid)(const Braid::View& braid, const TreeRay& ray, float t_min, BraidVisitor& visitor);
+  bool (*occlude_braid)(const Braid::View& braid, const TreeRay& ray, float t_min, BraidVisitor& visitor);
 };
 
 const TreeKernels& baseline_tree_kernels();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <tuple>
 
 namespace meristem::tree {
 
@@ -45,6 +46,22 @@ std::pair<Range, Range> split(const Range& range, int level) {
   std::pair<Range, Range> parts{{range.items.first(first_count), {}}, {range.items.subspan(first_count), {}}};
   for (std::size_t i = 0; i < bins; ++i) (i < best ? parts.first : parts.second).extent.add(extents[i]);
   return parts;
+}
+
+std::size_t split_for_node(const Range& range, int level, std::size_t enough,
+                           std::array<Range, most_children>& children) {
+  std::size_t count = 1;
+  children[0] = range;
+  while (count < most_children) {
+    Range* largest = nullptr;
+    for (std::size_t i = 0; i < count; ++i)
+      if (children[i].extent.weight > enough &&
+          (!largest || children[i].extent.box.area() > largest->extent.box.area()))
+        largest = &children[i];
+    if (!largest) break;
+    std::tie(*largest, children[count++]) = split(*largest, level);
+  }
+  return count;
 }
 
 }  // namespace meristem::tree

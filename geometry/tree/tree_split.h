@@ -3,6 +3,7 @@
 
 #include "geometry/tree/tree_items.h"
 
+#include <array>
 #include <span>
 #include <utility>
 
@@ -67,5 +68,10 @@ std::pair<Range, Range> cut_at(std::span<Item> items, std::size_t middle);
 // Two parts, each with an item at least: by the surface area heuristic over bins along the widest axis (Wald 2007, "On
 // fast Construction of SAH-based Bounding Volume Hierarchies"). Sorts the items.
 std::pair<Range, Range> split(const Range& range, int level);
+
+// The children of a node: parts of the range, of which the largest that weighs more than `enough` is split until there
+// are eight, or none. Returns how many.
+std::size_t split_for_node(const Range& range, int level, std::size_t enough,
+                           std::array<Range, most_children>& children);
 
 }  // namespace meristem::tree

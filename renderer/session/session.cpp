@@ -120,6 +120,7 @@ void RenderSession::run_pass(std::uint32_t end, std::vector<RayCounts>& rays) {
 
 // Passes end at the decisions of adaptive sampling alone: else a queue would run empty at each.
 void RenderSession::run_queues(std::uint32_t end, std::vector<RayCounts>& rays) {
+  scene_.intersector->unsettle();
   const RenderSettings& settings = scene_.settings;
   if (!queues_) {
     const QueuedPaths::Wants wants{film_.wants_first_surface(), film_.wants_costs()};
@@ -136,6 +137,13 @@ void RenderSession::run_queues(std::uint32_t end, std::vector<RayCounts>& rays) 
 }
 
 void RenderSession::run_tiles(std::uint32_t end, std::vector<RayCounts>& rays) {
+  do {
+    scene_.intersector->settle();
+    trace_tiles(end, rays);
+  } while (crowded_.exchange(false) && !stopped());
+}
+
+void RenderSession::trace_tiles(std::uint32_t end, std::vector<RayCounts>& rays) {
   next_tile_ = 0;
   run_threads(threads_, [&](int thread) {
     Worker worker{thread, end, scene_.sampler->clone(), {}, scene_.intersector->thread_expansions()};
@@ -241,6 +249,7 @@ void RenderSession::look_around() {
   send_progress(now);
   if (now - started_s_ >= options_.time_limit_s) out_of_time_ = true;
   if (options_.snapshot_due && options_.snapshot_due()) pausing_ = true;
+  if (scene_.intersector->is_crowded()) crowded_ = true;
 }
 
 void RenderSession::send_progress(double now) {
@@ -254,7 +263,7 @@ bool RenderSession::cancelled() const { return options_.cancel && options_.cance
 
 bool RenderSession::stopped() const {
   return failed_.load(std::memory_order_relaxed) || pausing_.load(std::memory_order_relaxed) ||
-         thrashes_.load(std::memory_order_relaxed) || ended();
+         thrashes_.load(std::memory_order_relaxed) || crowded_.load(std::memory_order_relaxed) || ended();
 }
 
 }  // namespace meristem

@@ -91,6 +91,7 @@ class RenderSession {
 
   void run_pass(std::uint32_t end, std::vector<RayCounts>& rays);
   void run_tiles(std::uint32_t end, std::vector<RayCounts>& rays);
+  void trace_tiles(std::uint32_t end, std::vector<RayCounts>& rays);
   void run_queues(std::uint32_t end, std::vector<RayCounts>& rays);
   bool goes_on_to_queues(Worker& worker) const;
   void note_added(std::uint32_t samples);
@@ -131,6 +132,7 @@ class RenderSession {
   std::atomic<bool> out_of_time_{false};
   std::atomic<bool> pausing_{false};   // for a snapshot
   std::atomic<bool> thrashes_{false};  // RayOrder::Auto: time for queues
+  std::atomic<bool> crowded_{false};   // time to let go of what settled
 };
 
 }  // namespace meristem

@@ -92,6 +92,61 @@ TEST(World, LazyAndEagerGiveTheSameBitsForAnyThreadsAndBudget) {
   }
 }
 
+// Of rays from `first` up to `last`, with what each finds. Any number of objects.
+std::vector<std::uint64_t> hits_of(const Intersector& world, int first, int last) {
+  std::vector<std::uint64_t> hits;
+  for (int i = first; i < last; ++i) {
+    SurfaceHit hit;
+    const bool found = world.intersect(ray_towards(Key(i)), hit);
+    hits.push_back(found ? hash_keys(bits_of(hit), Key(hit.object)) : 0);
+    EXPECT_EQ(world.occluded(ray_towards(Key(i))), found);
+  }
+  return hits;
+}
+
+TEST(World, RaysMeetTheSameWhereItHasSettled) {
+  const auto model = bumpy_model(shapes::prism(8), 6, 0.1, small_cells);
+  const std::vector<Placement> objects{place(model), place(model, Affine3d::rotation({0, 1, 0}, 0.3)),
+                                       place(bumpy_model(shapes::cube(), 2, 0.3, {}))};
+  const auto plain = make_world(objects, {}), settling = make_world(objects, {});
+  for (int first : {0, 64, 512}) {  // more is expanded between, and beside what has settled
+    EXPECT_EQ(hits_of(*settling, first, 1024), hits_of(*plain, first, 1024));
+    settling->settle();
+  }
+  settling->unsettle();
+  EXPECT_EQ(hits_of(*settling, 0, 512), hits_of(*plain, 0, 512));
+  // Boxes come in another order, so other rays meet first what spares a cell its expansion
+  EXPECT_NEAR(double(settling->statistics().cells_expanded), double(plain->statistics().cells_expanded), 8);
+}
+
+TEST(World, WhatHasSettledStaysUntilItIsInTheWay) {
+  const auto model = bumpy_model(shapes::prism(8), 6, 0.1, small_cells);
+  const std::vector<std::uint64_t> all = hits_of(*world_of(model, {}), 0, 256);
+  std::size_t of_few;
+  {
+    const auto world = world_of(model, {});
+    hits_of(*world, 0, 8);
+    of_few = world->statistics().total_bytes_peak;
+  }
+  const auto world = world_of(model, {.budget_bytes = of_few * 3 / 2});
+  hits_of(*world, 0, 8);
+  world->settle();
+  const std::uint64_t expanded = world->statistics().cells_expanded;
+  hits_of(*world, 0, 8);
+  EXPECT_LE(world->statistics().cells_expanded, expanded + 8);
+  EXPECT_FALSE(world->is_crowded());
+  EXPECT_EQ(hits_of(*world, 0, 256), all);
+  EXPECT_TRUE(world->is_crowded());
+  const std::uint64_t crowded = world->statistics().cells_expanded;
+  hits_of(*world, 0, 8);
+  EXPECT_LE(world->statistics().cells_expanded, crowded + 8) << "it has stayed";
+  world->settle();
+  EXPECT_FALSE(world->is_crowded()) << "it has let go";
+  EXPECT_EQ(hits_of(*world, 0, 256), all);
+  EXPECT_EQ(hits_of(*world, 0, 256), all);
+  EXPECT_FALSE(world->is_crowded());
+}
+
 TEST(World, TheLeastBudgetIsAChainOfCellsForEachThread) {
   const auto model = bumpy_model(shapes::prism(8), 5, 0.1, small_cells);
   const std::size_t one = least_bytes(model, 1), eight = least_bytes(model, 8);
@@ -136,6 +191,20 @@ TEST(World, LazyExpandsOnlyWhatRaysEnter) {
   const auto eager = world_of(model, {.mode = ExpandMode::Eager});
   EXPECT_LT(lazy->statistics().cells_expanded, eager->statistics().cells_expanded / 4);
   EXPECT_GT(eager->statistics().cells_expanded, 200u);
+}
+
+// A ray that anything may stop looks at what is resident first.
+TEST(World, WhatIsResidentSparesAShadowTheExpansionOfOthers) {
+  const auto model = bumpy_model(shapes::prism(8), 6, 0.1, small_cells);
+  const auto seen = world_of(model, {});
+  std::vector<Ray> hits;
+  for (int i = 0; i < 400; ++i)
+    if (SurfaceHit hit; seen->intersect(ray_towards(Key(i)), hit)) hits.push_back(ray_towards(Key(i)));
+  const std::uint64_t expanded = seen->statistics().cells_expanded;
+  for (const Ray& ray : hits) EXPECT_TRUE(seen->occluded(ray));
+  // From the other side: what the first ray met is in the way
+  for (const Ray& ray : hits) EXPECT_TRUE(seen->occluded({ray.origin + ray.direction * 12.f, -ray.direction}));
+  EXPECT_EQ(seen->statistics().cells_expanded, expanded);
 }
 
 TEST(World, FlatHitsAtTheSameDistances) {

@@ -156,6 +156,24 @@ TEST(GeometryCache, EvictionGivesASecondChance) {
   EXPECT_EQ(f.trace(1).expanded, 1);
 }
 
+TEST(GeometryCache, WhatIsKeptStaysAndTheOthersShareTheRest) {
+  FlatCache flat(10, 500);
+  flat.use({0, 1, 2});
+  EXPECT_FALSE(flat.cache.is_crowded());
+  flat.cache.keep_resident();
+  flat.use({3, 4});
+  EXPECT_FALSE(flat.cache.is_crowded());
+  for (std::size_t i : {5, 6, 7, 8, 9}) flat.use({i});
+  EXPECT_TRUE(flat.cache.is_crowded());
+  for (std::size_t i : {0, 1, 2}) EXPECT_TRUE(flat.is_resident(i)) << i;
+  EXPECT_LE(flat.cache.statistics().resident_bytes, 500u);
+  flat.cache.release_kept();
+  EXPECT_FALSE(flat.cache.is_crowded());
+  for (std::size_t i : {3, 4, 5, 6, 7, 8, 9, 3, 4, 5, 6, 7, 8, 9}) flat.use({i});
+  for (std::size_t i : {0, 1, 2}) EXPECT_FALSE(flat.is_resident(i)) << i;
+  EXPECT_FALSE(flat.cache.is_crowded()) << "nothing is kept";
+}
+
 TEST(GeometryCache, ParentsLeaveAfterTheirChildren) {
   Trace parent_trace, child_traces[2], other_trace;
   CacheSlot root, others[3];

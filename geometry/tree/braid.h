@@ -1,0 +1,71 @@
+// Braid: one tree over many surface trees, so that a ray goes from each to the next without going through whose they
+// are.
+//
+// After Benthin et al. 2017, "Improved Two-Level BVHs using Partial Re-Braiding": each tree is opened from its root on,
+// and its parts, the strands, are sorted anew among those of all others. Where boxes of whole trees overlap, as those
+// of twigs do, a ray enters far fewer strands than trees. Triangles stay where they are.
+#pragma once
+
+#include "geometry/base/bounds.h"
+#include "geometry/tree/surface_tree.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace meristem {
+
+// What a ray does on its way through a braid.
+class BraidVisitor {
+ public:
+  explicit BraidVisitor(float t) : t_max(t) {}
+  // A tree is met, at hit.t up to t_max: t_max is to become hit.t. It may come again, with another triangle.
+  virtual void met(std::uint32_t tree, const TreeHit& hit) = 0;
+  // A box of `others` is entered: t_max becomes the t of what is met in it, or less than 0 if anything will do.
+  virtual void enter(std::uint32_t other) = 0;
+
+  float t_max;  // the end of the ray
+
+ protected:
+  ~BraidVisitor() = default;
+};
+
+class Braid {
+ public:
+  struct Tree {
+    const SurfaceTree* tree;
+    const Vec3f* positions;  // as for SurfaceTree::intersect()
+  };
+  // Trees that outlive it, and boxes of anything else; by their places in these lists a visitor is told of them. Some
+  // 0.2 us a strand.
+  Braid(std::span<const Tree> trees, std::span<const Bounds3f> others);
+
+  // Trees and boxes are met in the order of the ray as far as boxes tell; nothing behind t_max.
+  void intersect(const TreeRay& ray, float t_min, BraidVisitor& visitor) const;
+  // Whether a triangle is met or a visit has made t_max less than 0; stops at the first.
+  bool occluded(const TreeRay& ray, float t_min, BraidVisitor& visitor) const;
+
+  std::size_t bytes() const {
+    return nodes_.capacity() * sizeof(SurfaceTree::Node) + strands_.capacity() * sizeof(Strand);
+  }
+
+  // What stands at the ends of the nodes.
+  struct alignas(32) Strand {
+    const SurfaceTree::Node* nodes;  // null: of no tree
+    const std::array<std::uint32_t, 3>* triangles;
+    const Vec3f* positions;
+    std::uint32_t start;  // as SurfaceTree::Part has it
+    std::uint32_t owner;  // a tree or one of the others
+  };
+  struct View {
+    const SurfaceTree::Node* nodes;  // a child of shape 0 is a node, of shape 1 a strand
+    const Strand* strands;
+  };
+  View view() const { return {nodes_.data(), strands_.data()}; }
+
+ private:
+  std::vector<SurfaceTree::Node> nodes_;
+  std::vector<Strand> strands_;
+};
+
+}  // namespace meristem
