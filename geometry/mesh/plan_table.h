@@ -29,7 +29,7 @@ ShapeName shape_name(const Mesh& mesh, std::uint32_t owned_faces, std::uint64_t 
 template <class Plan>
 class PlanTable {
  public:
-  static constexpr std::size_t most_bytes = std::size_t(32) << 20;
+  static constexpr std::size_t most_bytes = std::size_t(4) << 20;
 
   // The plan of a shape; made by make() if the table does not hold it.
   template <class Make>
