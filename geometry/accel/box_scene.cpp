@@ -58,6 +58,8 @@ BoxScene::BoxScene(std::span<const Bounds3f> boxes, const BoxContents& contents)
   boxes_ = {};  // the caller's
 }
 
+std::vector<Bounds3f> BoxScene::few_boxes() const { return few_ ? few_->boxes() : std::vector<Bounds3f>(); }
+
 void BoxScene::intersect(RayContext& context, RTCRayHit& ray) const {
   if (scene_) return rtcIntersect1(scene_.get(), &context.embree, &ray);
   FewBoxes::List entered;

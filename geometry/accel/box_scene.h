@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace meristem {
 
@@ -30,6 +31,7 @@ class BoxScene {
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
   std::size_t bytes() const { return bytes_; }
+  std::vector<Bounds3f> few_boxes() const;  // none if they are many
 
  private:
   static void box_bounds(const RTCBoundsFunctionArguments* args);

@@ -41,7 +41,7 @@ class ClassWorlds {
   ClassWorlds(const std::vector<Placement>& objects, const WorldOptions& options, Roots& roots);
 
   RayRoute route(const Ray& ray) const;
-  bool empty() const { return worlds_[0].objects->list().empty(); }
+  bool empty() const { return worlds_[0].objects->empty(); }
   Bounds3f bounds() const;                      // of all worlds
   std::vector<const ModelRoot*> roots() const;  // of all objects, of each world
   std::size_t bytes() const;

@@ -9,7 +9,7 @@
 
 namespace meristem {
 
-FewBoxes::FewBoxes(std::span<const Bounds3f> boxes) : fours_((boxes.size() + 3) / 4, Four{}) {
+FewBoxes::FewBoxes(std::span<const Bounds3f> boxes) : count_(boxes.size()), fours_((boxes.size() + 3) / 4, Four{}) {
   CHECK(boxes.size() <= most, "{} boxes are not few", boxes.size());
   constexpr float infinity = std::numeric_limits<float>::infinity();
   for (Four& four : fours_)
@@ -23,6 +23,19 @@ FewBoxes::FewBoxes(std::span<const Bounds3f> boxes) : fours_((boxes.size() + 3) 
     }
     four.last_t[i % 4] = infinity;
   }
+}
+
+std::vector<Bounds3f> FewBoxes::boxes() const {
+  std::vector<Bounds3f> boxes(count_);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Four& four = fours_[i / 4];
+    if (four.last_t[i % 4] < 0) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      boxes[i].lower[axis] = four.planes[axis][0][i % 4];
+      boxes[i].upper[axis] = four.planes[axis][1][i % 4];
+    }
+  }
+  return boxes;
 }
 
 std::size_t FewBoxes::meet(const TreeRay& ray, float t_min, float t_max, List& entered) const {

@@ -27,6 +27,8 @@ class FewBoxes {
   // loses none.
   std::size_t meet(const TreeRay& ray, float t_min, float t_max, List& entered) const;
 
+  std::vector<Bounds3f> boxes() const;  // as given
+
   std::size_t bytes() const { return sizeof(*this) + fours_.capacity() * sizeof(Four); }
 
  private:
@@ -34,6 +36,7 @@ class FewBoxes {
     float planes[3][2][4];  // axis, lower or upper, box
     float last_t[4];        // infinity; of a box that nothing is in, and where there is none: -infinity
   };
+  std::size_t count_;
   std::vector<Four> fours_;
 };
 

@@ -19,14 +19,14 @@ void transform(const Affine3f& m, RTCRay& ray) {
 // The state of the ray while it is inside an instance.
 class Inside {
  public:
-  Inside(RayContext& context, const Affine3f* to_parent, Key path, int object)
-      : context_(context), frame_{to_parent, context.frame}, previous_path_(context.path) {
-    if (to_parent) context.frame = &frame_;
-    context.path = hash_keys(context.path, path);
-    if (object >= 0) context.object = object;
+  Inside(RayContext& context, const Affine3f* from_parent, const Instance::Place& place)
+      : context_(context), frame_{from_parent, context.frame}, previous_path_(context.path) {
+    if (from_parent) context.frame = &frame_;
+    context.path = hash_keys(context.path, place.path);
+    if (place.object >= 0) context.object = place.object;
   }
   ~Inside() {
-    context_.frame = frame_.to_parent ? frame_.parent : context_.frame;
+    context_.frame = frame_.from_parent ? frame_.parent : context_.frame;
     context_.path = previous_path_;
   }
   Inside(const Inside&) = delete;
@@ -38,58 +38,50 @@ class Inside {
   const Key previous_path_;
 };
 
-// What stands in the boxes of instances; `owner` is their Instances.
-void intersect_instance(void* owner, std::uint32_t index, RayContext& context, RTCRayHit& ray) {
-  const WayStep step(context, index);
-  static_cast<const Instances*>(owner)->list()[index].intersect(context, ray);
-}
-
-void occluded_instance(void* owner, std::uint32_t index, RayContext& context, RTCRay& ray) {
-  const WayStep step(context, index);
-  static_cast<const Instances*>(owner)->list()[index].occluded(context, ray);
-}
-
 }  // namespace
 
-Instance::Maps Instance::maps_of(const Affine3d& to_parent) {
-  return {to_float(to_parent), to_float(to_parent.inverse())};
+Bounds3f instance_bounds(std::span<const ModelRoot* const> roots, const Placement& placement) {
+  Bounds3f bounds;
+  for (const ModelRoot* root : roots) bounds.extend(root->bounds());
+  const bool is_identity = placement.to_parent.is_identity() && !placement.motion;
+  return is_identity ? bounds : bounds_in_parent(placement, bounds);
 }
 
-Instance::Instance(std::vector<const ModelRoot*> roots, const Placement& placement, Key path, int object)
-    : root_(roots[0]),
-      maps_(maps_of(placement.to_parent)),
-      path_(path),
-      object_(object),
-      is_identity_(placement.to_parent.is_identity() && !placement.motion) {
-  for (const ModelRoot* root : roots) bounds_.extend(root->bounds());
-  if (!is_identity_) bounds_ = bounds_in_parent(placement, bounds_);
-  if (roots.size() > 1 || placement.motion)
-    change_ = std::make_unique<const Change>(Change{std::move(roots), placement.motion});
+Instance::Instance(std::span<const ModelRoot* const> roots, const Placement& placement)
+    : from_parent_(to_float(placement.to_parent.inverse())), root_(roots[0]) {
+  const bool is_identity = placement.to_parent.is_identity() && !placement.motion;
+  if (is_identity || roots.size() > 1 || placement.motion)
+    special_ =
+        std::make_unique<const Special>(Special{is_identity, {roots.begin() + 1, roots.end()}, placement.motion});
 }
 
 void Instance::add_roots(std::vector<const ModelRoot*>& roots) const {
-  if (change_)
-    roots.insert(roots.end(), change_->roots.begin(), change_->roots.end());
-  else
-    roots.push_back(root_);
+  roots.push_back(root_);
+  if (special_) roots.insert(roots.end(), special_->later_roots.begin(), special_->later_roots.end());
 }
 
 const ModelRoot& Instance::root_at(float time) const {
-  if (!change_) return *root_;
-  const auto moment = std::size_t(std::max(time, 0.f) * float(change_->roots.size()));
-  return *change_->roots[std::min(moment, change_->roots.size() - 1)];
+  if (!special_ || special_->later_roots.empty()) return *root_;
+  const std::size_t later = special_->later_roots.size();
+  const std::size_t moment = std::min(std::size_t(std::max(time, 0.f) * float(later + 1)), later);
+  return moment == 0 ? *root_ : *special_->later_roots[moment - 1];
+}
+
+Affine3f Instance::from_parent_at(float time) const {
+  return special_ && special_->motion ? to_float(special_->motion->at(time).inverse()) : from_parent_;
 }
 
 template <class Trace>
-void Instance::with_local_ray(RayContext& context, RTCRayHit& ray, const Trace& trace) const {
+void Instance::with_local_ray(const Place& place, RayContext& context, RTCRayHit& ray, const Trace& trace) const {
   const ModelRoot& root = root_at(ray.ray.time);
-  std::optional<Maps> moved;
-  if (moves()) moved = maps_of(change_->motion->at(ray.ray.time));
-  const Maps& maps = moved ? *moved : maps_;
-  const Inside inside(context, is_identity_ ? nullptr : &maps.to_parent, path_, object_);
-  if (is_identity_) return trace(root, ray);
+  if (is_identity()) {
+    const Inside inside(context, nullptr, place);
+    return trace(root, ray);
+  }
+  const Affine3f from_parent = from_parent_at(ray.ray.time);
+  const Inside inside(context, &from_parent, place);
   RTCRayHit local = ray;
-  transform(maps.from_parent, local.ray);
+  transform(from_parent, local.ray);
   const TreeRay tree(tree_ray(local.ray));
   const TreeRay* const outer = std::exchange(context.tree_ray, &tree);
   trace(root, local);
@@ -98,22 +90,22 @@ void Instance::with_local_ray(RayContext& context, RTCRayHit& ray, const Trace& 
   ray.hit = local.hit;
 }
 
-void Instance::intersect(RayContext& context, RTCRayHit& ray) const {
-  with_local_ray(context, ray, [&](const ModelRoot& root, RTCRayHit& local) { root.intersect(context, local); });
+void Instance::intersect(const Place& place, RayContext& context, RTCRayHit& ray) const {
+  with_local_ray(place, context, ray, [&](const ModelRoot& root, RTCRayHit& local) { root.intersect(context, local); });
 }
 
-bool Instance::follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const {
+bool Instance::follow(CellList::Way way, const Place& place, RayContext& context, RTCRayHit& ray) const {
   bool arrives = false;
-  with_local_ray(context, ray,
+  with_local_ray(place, context, ray,
                  [&](const ModelRoot& root, RTCRayHit& local) { arrives = root.follow(way, context, local); });
   return arrives;
 }
 
 void Instance::occluded(RayContext& context, RTCRay& ray) const {
   const ModelRoot& root = root_at(ray.time);
-  if (is_identity_) return root.occluded(context, ray);
+  if (is_identity()) return root.occluded(context, ray);
   RTCRay local = ray;
-  transform(moves() ? maps_of(change_->motion->at(ray.time)).from_parent : maps_.from_parent, local);
+  transform(from_parent_at(ray.time), local);
   const TreeRay tree(tree_ray(local));
   const TreeRay* const outer = std::exchange(context.tree_ray, &tree);
   root.occluded(context, local);
@@ -121,16 +113,21 @@ void Instance::occluded(RayContext& context, RTCRay& ray) const {
   ray.tfar = local.tfar;
 }
 
-Instances::Instances(std::vector<Instance> instances, std::vector<std::unique_ptr<ModelRoot>> owned)
-    : instances_(std::move(instances)), owned_(std::move(owned)) {
+Instances::Instances(std::vector<Instance> instances, std::span<const Bounds3f> bounds,
+                     std::vector<std::unique_ptr<ModelRoot>> owned, bool are_objects)
+    : instances_(std::move(instances)), owned_(std::move(owned)), are_objects_(are_objects) {
   bytes_ = sizeof(*this) + instances_.capacity() * sizeof(Instance);
   for (const auto& root : owned_) bytes_ += root->bytes() + sizeof(root);
-  for (const Instance& i : instances_) bounds_.extend(i.bounds()), bytes_ += i.own_bytes();
+  for (const Instance& i : instances_) bytes_ += i.bytes_beside();
+  for (const Bounds3f& b : bounds) bounds_.extend(b);
   if (instances_.size() < 2) return;
-  std::vector<Bounds3f> boxes;
-  for (const Instance& i : instances_) boxes.push_back(i.bounds());
-  scene_.emplace(boxes, BoxContents{this, intersect_instance, occluded_instance});
+  scene_.emplace(bounds, BoxContents{this, intersect_one, occlude_one});
   bytes_ += scene_->bytes();
+}
+
+std::vector<Bounds3f> Instances::few_boxes() const {
+  if (scene_) return scene_->few_boxes();
+  return std::vector<Bounds3f>(instances_.size(), bounds_);
 }
 
 std::vector<const ModelRoot*> Instances::roots() const {
@@ -139,11 +136,22 @@ std::vector<const ModelRoot*> Instances::roots() const {
   return result;
 }
 
+void Instances::intersect_one(void* self, std::uint32_t index, RayContext& context, RTCRayHit& ray) {
+  const WayStep step(context, index);
+  const auto& all = *static_cast<const Instances*>(self);
+  all.instances_[index].intersect(all.place_of(index), context, ray);
+}
+
+void Instances::occlude_one(void* self, std::uint32_t index, RayContext& context, RTCRay& ray) {
+  const WayStep step(context, index);
+  static_cast<const Instances*>(self)->instances_[index].occluded(context, ray);
+}
+
 void Instances::intersect(RayContext& context, RTCRayHit& ray) const {
   if (scene_) return scene_->intersect(context, ray);
   if (instances_.empty()) return;
   const WayStep step(context, 0);
-  instances_[0].intersect(context, ray);
+  instances_[0].intersect(place_of(0), context, ray);
 }
 
 void Instances::occluded(RayContext& context, RTCRay& ray) const {
@@ -155,7 +163,7 @@ void Instances::occluded(RayContext& context, RTCRay& ray) const {
 
 bool Instances::follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const {
   const WayStep step(context, way[0]);
-  return instances_[way[0]].follow(way.subspan(1), context, ray);
+  return instances_[way[0]].follow(way.subspan(1), place_of(way[0]), context, ray);
 }
 
 }  // namespace meristem

@@ -8,56 +8,60 @@
 #include "geometry/base/motion.h"
 
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace meristem {
 
-class Instance {
+// One of them, a cache line: woods have millions.
+class alignas(64) Instance {
  public:
   // `roots`: one, or one for each of equally long moments while the shutter is open; they must outlive it. Where, and
-  // how it moves, `placement` says. `path` tells apart what is reached through different instances; `object`: its index
-  // in the world, or -1 within an object.
-  Instance(std::vector<const ModelRoot*> roots, const Placement& placement, Key path, int object = -1);
+  // how it moves, `placement` says.
+  Instance(std::span<const ModelRoot* const> roots, const Placement& placement);
 
-  void intersect(RayContext& context, RTCRayHit& ray) const;
+  // Which of several it is. `path` tells apart what is reached through different instances; `object`: its index in the
+  // world, or -1 within an object.
+  struct Place {
+    Key path;
+    int object;
+  };
+  void intersect(const Place& place, RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
-  bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const;  // as ModelRoot::follow()
-  const Bounds3f& bounds() const { return bounds_; }                          // in the parent's frame
-  void add_roots(std::vector<const ModelRoot*>& roots) const;                 // of all moments
-  bool is_identity() const { return is_identity_; }
-  std::size_t own_bytes() const {
-    return change_ ? sizeof(Change) + change_->roots.capacity() * sizeof(ModelRoot*) : 0;
+  // As ModelRoot::follow().
+  bool follow(CellList::Way way, const Place& place, RayContext& context, RTCRayHit& ray) const;
+  void add_roots(std::vector<const ModelRoot*>& roots) const;  // of all moments
+  std::size_t bytes_beside() const {
+    return special_ ? sizeof(Special) + special_->later_roots.capacity() * sizeof(ModelRoot*) : 0;
   }
 
  private:
-  // Of one that changes while the shutter is open.
-  struct Change {
-    std::vector<const ModelRoot*> roots;
-    std::shared_ptr<const Motion> motion;  // null: none
+  // Of few.
+  struct Special {
+    bool is_identity;                           // at all times
+    std::vector<const ModelRoot*> later_roots;  // of the moments after the first
+    std::shared_ptr<const Motion> motion;       // null: it stands still
   };
-  struct Maps {
-    Affine3f to_parent, from_parent;
-  };
-  static Maps maps_of(const Affine3d& to_parent);
   template <class Trace>
-  void with_local_ray(RayContext& context, RTCRayHit& ray, const Trace& trace) const;
+  void with_local_ray(const Place& place, RayContext& context, RTCRayHit& ray, const Trace& trace) const;
 
   const ModelRoot& root_at(float time) const;
-  bool moves() const { return change_ && change_->motion; }
+  bool is_identity() const { return special_ && special_->is_identity; }
+  Affine3f from_parent_at(float time) const;
 
+  // Of what does not move. The way back is its inverse, needed of the nearest hit alone.
+  Affine3f from_parent_;
   const ModelRoot* root_;  // of the first moment
-  Maps maps_;              // of one that does not move
-  Bounds3f bounds_;
-  Key path_;
-  int object_;
-  bool is_identity_;                      // at all times
-  std::unique_ptr<const Change> change_;  // null: it stays as it is
+  std::unique_ptr<const Special> special_;
 };
+static_assert(sizeof(Instance) == 64);
 
 class Instances {
  public:
-  // Builds on the calling thread; call inside run_isolated(). `owned`: roots of which nobody else takes care.
-  Instances(std::vector<Instance> instances, std::vector<std::unique_ptr<ModelRoot>> owned);
+  // `bounds`: of each, in the frame in which they stand. Builds on the calling thread; call inside run_isolated().
+  // `owned`: roots of which nobody else takes care. `are_objects`: of the world.
+  Instances(std::vector<Instance> instances, std::span<const Bounds3f> bounds,
+            std::vector<std::unique_ptr<ModelRoot>> owned, bool are_objects);
   Instances(const Instances&) = delete;  // its scene holds on to it
   Instances& operator=(const Instances&) = delete;
 
@@ -66,16 +70,25 @@ class Instances {
   // As ModelRoot::follow(); the way begins with the number of an instance.
   bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const;
   const Bounds3f& bounds() const { return bounds_; }
-  const std::vector<Instance>& list() const { return instances_; }
+  std::vector<Bounds3f> few_boxes() const;  // of each, if they are few
+  bool empty() const { return instances_.empty(); }
   std::vector<const ModelRoot*> roots() const;  // of all, at all moments
   std::size_t bytes() const { return bytes_; }
 
  private:
+  static void intersect_one(void* self, std::uint32_t index, RayContext& context, RTCRayHit& ray);
+  static void occlude_one(void* self, std::uint32_t index, RayContext& context, RTCRay& ray);
+  Instance::Place place_of(std::uint32_t index) const { return {Key(index) + 1, are_objects_ ? int(index) : -1}; }
+
   std::vector<Instance> instances_;
   std::vector<std::unique_ptr<ModelRoot>> owned_;
   Bounds3f bounds_;
+  const bool are_objects_;
   std::optional<BoxScene> scene_;  // none: there is one instance at most
   std::size_t bytes_ = 0;
 };
+
+// Of one that is to be placed: of all its roots, at all times, in its parent's frame.
+Bounds3f instance_bounds(std::span<const ModelRoot* const> roots, const Placement& placement);
 
 }  // namespace meristem

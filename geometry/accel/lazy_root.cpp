@@ -350,7 +350,7 @@ std::vector<Bounds3f> CellEntry::boxes() const {
   else if (inner_)
     boxes = inner_->child_bounds;
   else
-    for (const Instance& i : instances_->list()) boxes.push_back(i.bounds());
+    boxes = instances_->few_boxes();
   if (boxes.size() > Outline::most_boxes) boxes.clear();
   return boxes;
 }

@@ -4,11 +4,11 @@ namespace meristem {
 
 namespace {
 
-std::optional<Affine3d> to_world(const RayContext::Frame* frame) {
+std::optional<Affine3d> from_world(const RayContext::Frame* frame) {
   if (!frame) return {};
   auto exact = [](const Affine3f& m) { return Affine3d{Vec3d(m.x), Vec3d(m.y), Vec3d(m.z), Vec3d(m.origin)}; };
-  Affine3d result = exact(*frame->to_parent);
-  while ((frame = frame->parent)) result = exact(*frame->to_parent) * result;
+  Affine3d result = exact(*frame->from_parent);
+  while ((frame = frame->parent)) result = result * exact(*frame->from_parent);
   return result;
 }
 
@@ -35,7 +35,7 @@ bool take_hit(const SurfacePatch& patch, Key key, const TreeHit& hit, RayContext
   context.patch_hit = hit;
   context.patch_key = key;
   context.patch_object = context.object;
-  context.patch_to_world = to_world(context.frame);
+  context.patch_from_world = from_world(context.frame);
   return true;
 }
 

@@ -22,11 +22,11 @@ struct RayContext {
   TreeHit patch_hit{0};
   Key patch_key = 0;  // of its cell and the instances around it: decides ties
   int patch_object = -1;
-  std::optional<Affine3d> patch_to_world;  // none: identity
+  std::optional<Affine3d> patch_from_world;  // none: identity
 
   // Being traced: instances of instances, from the innermost on; callbacks nest, so the links lie on the stack.
   struct Frame {
-    const Affine3f* to_parent;
+    const Affine3f* from_parent;
     const Frame* parent;
   };
   const Frame* frame = nullptr;

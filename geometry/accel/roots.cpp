@@ -51,20 +51,23 @@ std::unique_ptr<Instances> Roots::place(const std::vector<Placement>& placements
                                         const std::shared_ptr<const Footprint>& footprint, CacheEntry* parent,
                                         Key individual, bool are_objects) {
   std::vector<Instance> instances;
+  std::vector<Bounds3f> bounds;
+  std::vector<const ModelRoot*> roots;
   Owner owner{parent, {}};
   instances.reserve(placements.size());
+  bounds.reserve(placements.size());
   for (const Placement& placed : placements) {
     auto [p, seen_as] = shown_placement(placed, footprint);
-    std::vector<const ModelRoot*> roots;
+    roots.clear();
     for (const auto& part : p.moments ? *p.moments : PartMoments{p.part}) {
       p.part = part;
       if (!roots.empty()) seen_as = placed_footprint(footprint, p);
       roots.push_back(&root_of(p, seen_as, individual, roots.size(), owner));
     }
-    const auto index = instances.size();
-    instances.emplace_back(std::move(roots), p, Key(index) + 1, are_objects ? int(index) : -1);
+    instances.emplace_back(roots, p);
+    bounds.push_back(instance_bounds(roots, p));
   }
-  return std::make_unique<Instances>(std::move(instances), std::move(owner.roots));
+  return std::make_unique<Instances>(std::move(instances), bounds, std::move(owner.roots), are_objects);
 }
 
 }  // namespace meristem

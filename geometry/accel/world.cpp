@@ -200,14 +200,15 @@ class World final : public Intersector {
  private:
   static SurfaceHit surface_hit(const RayContext& context, const RTCRayHit& query) {
     SurfaceHit hit = context.patch->surface_at(context.patch_hit);
-    if (context.patch_to_world) place(*context.patch_to_world, hit);
+    if (context.patch_from_world) place(*context.patch_from_world, hit);
     hit.t = query.ray.tfar;
     hit.object = context.patch_object;
     return hit;
   }
 
   // A hit in the frame of an instance, in the world.
-  static void place(const Affine3d& m, SurfaceHit& hit) {
+  static void place(const Affine3d& from_world, SurfaceHit& hit) {
+    const Affine3d m = from_world.inverse();
     const Affine3f to_world{Vec3f(m.x), Vec3f(m.y), Vec3f(m.z), Vec3f(m.origin)};
     const Vec3f p = hit.position, e = hit.position_error;
     hit.position = to_world.point(p);
@@ -217,7 +218,6 @@ class World final : public Intersector {
       return abs(to_world.x) * std::abs(v.x) + abs(to_world.y) * std::abs(v.y) + abs(to_world.z) * std::abs(v.z);
     };
     hit.position_error = magnitudes(e) + (magnitudes(p) + abs(to_world.origin)) * (4 * 0x1p-24f);
-    const Affine3d from_world = m.inverse();
     hit.geometric_normal = Vec3f(normalize(from_world.transposed_vector(Vec3d(hit.geometric_normal))));
     hit.shading_normal = Vec3f(normalize(from_world.transposed_vector(Vec3d(hit.shading_normal))));
     hit.dpdu = to_world.vector(hit.dpdu);

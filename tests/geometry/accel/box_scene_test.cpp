@@ -112,6 +112,20 @@ class Scene {
 
 constexpr std::size_t counts[] = {1, 2, 5, FewBoxes::most, FewBoxes::most + 1, 200};
 
+TEST(BoxScene, KnowsItsBoxesIfTheyAreFew) {
+  const BoxContents nothing{nullptr, nullptr, nullptr};
+  for (const std::size_t count : {1, 3, 32}) {
+    const std::vector<Bounds3f> boxes = boxes_of(count), few = BoxScene(boxes, nothing).few_boxes();
+    ASSERT_EQ(few.size(), count);
+    for (std::size_t i = 0; i < count; ++i) {
+      EXPECT_EQ(few[i].empty(), boxes[i].empty()) << i;
+      EXPECT_EQ(few[i].lower, boxes[i].lower) << i;
+      EXPECT_EQ(few[i].upper, boxes[i].upper) << i;
+    }
+  }
+  run_isolated([&] { EXPECT_TRUE(BoxScene(boxes_of(33), nothing).few_boxes().empty()); });
+}
+
 TEST(BoxScene, ARayVisitsEachBoxThatItEntersOnce) {
   for (const std::size_t count : counts) {
     Scene scene(count);
