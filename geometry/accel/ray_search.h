@@ -74,7 +74,8 @@ class KeptCells {
   // Those of a list that the ray enters at or before t.
   void assign(const CellList& list, float t);
   CellList::Words words() const { return {more_ ? more_.get() : few_.data(), size_}; }
-  std::size_t bytes_beside() const { return more_ ? size_ * sizeof(std::uint32_t) : 0; }
+  std::size_t bytes_beside() const { return more_ ? size_ * sizeof(std::uint32_t) + malloc_bytes : 0; }
+  static constexpr std::size_t malloc_bytes = 16;  // that an allocation takes beside
 
  private:
   std::array<std::uint32_t, 16> few_;
@@ -108,7 +109,9 @@ class RaySearch {
   // Which of them goes on is to expand; else it is the nearest.
   void wake(Key name) { woken_for_ = name; }
   // Beside the object itself.
-  std::size_t bytes() const { return missing_.bytes_beside() + (nearest_ ? sizeof(*nearest_) : 0); }
+  std::size_t bytes() const {
+    return missing_.bytes_beside() + (nearest_ ? sizeof(*nearest_) + KeptCells::malloc_bytes : 0);
+  }
 
  private:
   friend class SearchDriver;  // of the world

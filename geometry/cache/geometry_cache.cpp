@@ -1,6 +1,7 @@
 #include "geometry/cache/geometry_cache.h"
 
 #include "geometry/base/check.h"
+#include "geometry/base/freed_memory.h"
 #include "geometry/cache/expansion_recorder.h"
 
 #include <algorithm>
@@ -159,6 +160,7 @@ void GeometryCache::publish(CacheSlot& slot, CacheEntry* parent, Absence& absenc
   ++mine.expansions;
   mine.reexpansions += slot.was_expanded();
   Garbage garbage;
+  bool gives_back;
   {
     const std::lock_guard lock(mutex_);
     ++statistics_.expansions;
@@ -176,8 +178,11 @@ void GeometryCache::publish(CacheSlot& slot, CacheEntry* parent, Absence& absenc
     evict_to_budget();
     note_peaks();
     garbage = reclaim();
+    gives_back = must_give_back();
   }
   slot.word_.notify_all();
+  garbage.clear();
+  if (gives_back) give_back_freed_memory();
 }
 
 void GeometryCache::publish_failure(CacheSlot& slot) {
@@ -247,6 +252,7 @@ void GeometryCache::evict(CacheEntry& entry) {
   clock_[entry.clock_index_]->clock_index_ = entry.clock_index_;
   clock_.pop_back();
   statistics_.resident_bytes -= entry.bytes;
+  evicted_bytes_ += entry.bytes;
   ++statistics_.evictions;
   if (entry.parent_) --entry.parent_->children_;
   names_[entry.name % name_buckets].fetch_sub(1, std::memory_order_relaxed);
@@ -294,6 +300,15 @@ GeometryCache::Garbage GeometryCache::reclaim() {
   limbo_.erase(limbo_.begin(), first_kept);
   if (recorder_) recorder_->limbo_is(statistics_.limbo_bytes);
   return garbage;
+}
+
+// Where entries come and go malloc keeps gaps, and at the first eviction what the beginning needed. A few milliseconds
+// for what takes a hundred to expand.
+bool GeometryCache::must_give_back() {
+  constexpr std::size_t least_bytes = std::size_t(16) << 20;
+  if (evicted_bytes_ < give_back_at_) return false;
+  give_back_at_ = evicted_bytes_ + std::max(budget_bytes_ / 2, least_bytes);
+  return true;
 }
 
 CacheStatistics GeometryCache::statistics() const {

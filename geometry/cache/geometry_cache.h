@@ -199,6 +199,7 @@ class GeometryCache {
   void add_to_limbo(CacheEntry& entry);
   void release(CacheEntry& entry);
   Garbage reclaim();
+  bool must_give_back();
   std::size_t entry_budget() const;
   void note_peaks();
   std::uint64_t oldest_epoch() const;
@@ -224,6 +225,7 @@ class GeometryCache {
   std::vector<CacheEntry*> clock_;  // resident entries; owned
   std::size_t kept_ = 0;            // the first of them stay
   std::size_t hand_ = 0;
+  std::uint64_t evicted_bytes_ = 0, give_back_at_ = 1;
   std::vector<CacheEntry*> limbo_;  // evicted and not held, by evicted_epoch_; owned
   CacheStatistics statistics_;
 };

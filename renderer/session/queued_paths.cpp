@@ -175,7 +175,7 @@ void QueuedPaths::hand_back(Worker& worker) {
     statistics_.waits += worker.waiting.size();
     free_.insert(free_.end(), worker.ended.begin(), worker.ended.end());
     alive_ -= worker.ended.size();
-    statistics_.bytes_peak = std::max<std::uint64_t>(statistics_.bytes_peak, bytes());
+    statistics_.bytes_peak = std::max<std::uint64_t>(statistics_.bytes_peak, bytes(worker.exchange));
     --working_;
   }
   worker.claimed.clear(), worker.waiting.clear(), worker.ended.clear();
@@ -216,7 +216,7 @@ bool QueuedPaths::claim(Worker& worker) {
 }
 
 void QueuedPaths::begin_paths(Worker& worker) {
-  while (!exhausted_ && worker.claimed.size() < most_begun && has_room()) {
+  while (!exhausted_ && worker.claimed.size() < most_begun && has_room(worker.exchange)) {
     PixelSample sample;
     if (!worker.exchange.next(sample)) {
       exhausted_ = true;
@@ -233,14 +233,17 @@ void QueuedPaths::begin_paths(Worker& worker) {
 
 // For another path; one is always alive. The searches of paths that have just begun will grow. A slow start: until most
 // cells have been expanded once their boxes are wide, and a ray notes hundreds of them.
-bool QueuedPaths::has_room() {
+bool QueuedPaths::has_room(const Exchange& exchange) {
   constexpr std::uint64_t paths_at_start = 2048, paths_a_serving = 64;
   if (alive_ >= paths_at_start + paths_a_serving * statistics_.served) return false;
-  constexpr std::size_t usual_search_bytes = 64;
+  constexpr std::size_t usual_search_bytes = 96;
   const std::size_t searches = search_bytes_.load(std::memory_order_relaxed),
                     to_come = std::max(searches, alive_ * usual_search_bytes) - searches;
-  const std::size_t new_chunk = free_.empty() ? Chunk::bytes(state_words_, wants_) : 0;
-  if (alive_ > 0 && bytes() + to_come + new_chunk > most_bytes_) return false;
+  // Chunks stay. So with each some room must be left for samples that come before their turn: else the more of these
+  // there are, the more paths of chunks would be idle.
+  const std::size_t early_samples = std::max(exchange.bytes(), most_bytes_ / 8) - exchange.bytes();
+  const std::size_t new_chunk = free_.empty() ? Chunk::bytes(state_words_, wants_) + early_samples : 0;
+  if (alive_ > 0 && bytes(exchange) + to_come + new_chunk > most_bytes_) return false;
   if (!free_.empty()) return true;
   if (chunks_.size() == chunks_.capacity()) return false;
   const std::size_t first = chunks_.size() * chunk_paths;
@@ -249,9 +252,9 @@ bool QueuedPaths::has_room() {
   return true;
 }
 
-std::size_t QueuedPaths::bytes() const {
-  return chunks_.size() * Chunk::bytes(state_words_, wants_) + search_bytes_.load(std::memory_order_relaxed) +
-         queues_.bytes() + free_.capacity() * sizeof(std::uint32_t);
+std::size_t QueuedPaths::bytes(const Exchange& exchange) const {
+  return exchange.bytes() + chunks_.size() * Chunk::bytes(state_words_, wants_) +
+         search_bytes_.load(std::memory_order_relaxed) + queues_.bytes() + free_.capacity() * sizeof(std::uint32_t);
 }
 
 // Until the path ends or waits.

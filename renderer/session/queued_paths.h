@@ -4,7 +4,8 @@
 // So with a small geometry cache a cell is expanded once for hundreds of rays, where paths followed one by one would
 // expand it for each.
 //
-// How many paths are alive is limited by memory, which is counted: states, searches, queues. The queues are shared by
+// How many paths are alive is limited by memory, which is counted: states, searches, queues, and what whoever takes the
+// samples keeps of those that came before their turn. The queues are shared by
 // all threads: a thread claims a part of the longest, works without any lock, and comes back with what waits now. A
 // thread that finds nothing to claim sleeps until another comes back.
 //
@@ -42,6 +43,7 @@ class QueuedPaths {
   struct Exchange {
     std::function<bool(PixelSample&)> next;                              // false: there is no more
     std::function<void(const PixelSample&, const FilmSample&)> deliver;  // of each of these two one call at a time
+    std::function<std::size_t()> bytes;                                  // kept by these two; with next()
     std::function<bool()> stopped;                                       // any thread, often
     std::function<void()> look_around;                                   // by thread 0, often
   };
@@ -62,8 +64,8 @@ class QueuedPaths {
   bool claim(Worker& worker);
   void hand_back(Worker& worker);
   void begin_paths(Worker& worker);
-  bool has_room();
-  std::size_t bytes() const;
+  bool has_room(const Exchange& exchange);
+  std::size_t bytes(const Exchange& exchange) const;
   void follow(Worker& worker, std::uint32_t id);
   bool go_on(std::uint32_t id, const PathTools& tools);
   bool meets_light(std::uint32_t id, const PathTools& tools);

@@ -4,17 +4,24 @@
 
 namespace meristem {
 
+namespace {
+
+std::size_t index_in(const PixelWindow& window, int x, int y) {
+  return std::size_t(y - window.y0) * std::size_t(window.width()) + std::size_t(x - window.x0);
+}
+
+}  // namespace
+
 SampleSequence::SampleSequence(const Film& film, const std::vector<PixelWindow>& tiles, std::uint32_t first_sample)
-    : window_(film.window()), first_sample_(first_sample) {
-  const auto width = std::uint32_t(window_.width());
-  for (const PixelWindow& tile : tiles)
-    for (int y = tile.y0; y < tile.y1; ++y)
-      for (int x = tile.x0; x < tile.x1; ++x)
-        pixels_.push_back(std::uint32_t(y - window_.y0) * width + std::uint32_t(x - window_.x0));
-  taken_.reserve(pixels_.size());
+    : window_(film.window()), tiles_(tiles), first_sample_(first_sample) {
+  std::erase_if(tiles_, [](const PixelWindow& tile) { return tile.empty(); });
+  had_.reserve(std::size_t(window_.width()) * std::size_t(window_.height()));
   for (int y = window_.y0; y < window_.y1; ++y)
-    for (int x = window_.x0; x < window_.x1; ++x) taken_.push_back(film.samples(x, y));
-  if (!taken_.empty()) round_ = *std::ranges::min_element(taken_);
+    for (int x = window_.x0; x < window_.x1; ++x) had_.push_back(film.samples(x, y));
+  if (had_.empty()) return;
+  const auto [least, most] = std::ranges::minmax_element(had_);
+  round_ = *least, most_had_ = *most;
+  begin_round();
 }
 
 void SampleSequence::extend(std::uint32_t end, const std::vector<std::uint8_t>& is_finished) {
@@ -22,45 +29,89 @@ void SampleSequence::extend(std::uint32_t end, const std::vector<std::uint8_t>& 
   finished_ = is_finished;
 }
 
+void SampleSequence::begin_round() {
+  if (round_ >= most_had_) had_ = {};
+  begin_tile(0);
+}
+
+void SampleSequence::begin_tile(std::size_t tile) {
+  tile_ = tile;
+  if (tile < tiles_.size()) x_ = tiles_[tile].x0, y_ = tiles_[tile].y0;
+}
+
 bool SampleSequence::next(PixelSample& sample) {
-  for (; round_ < end_; ++round_, position_ = 0)
-    while (position_ < pixels_.size()) {
-      const std::uint32_t pixel = pixels_[position_++];
-      if (taken_[pixel] != round_ || (!finished_.empty() && finished_[pixel])) continue;
-      ++taken_[pixel];
-      const auto width = std::uint32_t(window_.width());
-      sample = {window_.x0 + int(pixel % width), window_.y0 + int(pixel / width), first_sample_ + round_};
+  for (; round_ < end_; ++round_, begin_round())
+    while (tile_ < tiles_.size()) {
+      const PixelWindow& tile = tiles_[tile_];
+      const int x = x_, y = y_;
+      if (++x_ == tile.x1) x_ = tile.x0, ++y_;
+      if (y_ == tile.y1) begin_tile(tile_ + 1);
+      if (!is_due(index_in(window_, x, y))) continue;
+      sample = {x, y, first_sample_ + round_};
       return true;
     }
   return false;
 }
 
 std::uint32_t SampleOrder::add(const PixelSample& at, const FilmSample& sample) {
-  const std::uint64_t pixel = std::uint64_t(at.y) << 32 | std::uint32_t(at.x);
+  const std::size_t pixel = index_in(film_.window(), at.x, at.y);
   const auto is_next = [&](std::uint32_t number) { return number == first_sample_ + film_.samples(at.x, at.y); };
   if (!is_next(sample.number)) {
-    Kept& kept = kept_[pixel].emplace_back(sample, FirstSurface{});
-    if (sample.first) kept.first = *sample.first;
+    keep(pixel, sample);
     return 0;
   }
   film_.add(at.x, at.y, sample);
   std::uint32_t added = 1;
-  const auto waiting = kept_.find(pixel);
-  if (waiting == kept_.end()) return added;
-  std::vector<Kept>& others = waiting->second;
-  for (auto it = others.begin(); it != others.end();) {
-    if (!is_next(it->sample.number)) {
-      ++it;
-      continue;
-    }
-    if (it->sample.first) it->sample.first = &it->first;
-    film_.add(at.x, at.y, it->sample);
+  const auto waiting = first_kept_.find(pixel);
+  if (waiting == first_kept_.end()) return added;
+  // In the order of their numbers
+  Index& first = waiting->second;
+  while (first != none && is_next(kept_[first].number)) {
+    film_.add(at.x, at.y, kept(first));
     ++added;
-    others.erase(it);
-    it = others.begin();
+    const Index next = kept_[first].next;
+    kept_[first].next = free_;
+    free_ = first;
+    first = next;
   }
-  if (others.empty()) kept_.erase(waiting);
+  if (first == none) first_kept_.erase(waiting);
   return added;
+}
+
+void SampleOrder::keep(std::size_t pixel, const FilmSample& sample) {
+  if (free_ == none) {
+    free_ = Index(kept_.grow());
+    kept_[free_].next = none;
+    if (film_.wants_first_surface()) surfaces_.grow();
+    if (film_.wants_costs()) costs_.grow();
+  }
+  const Index i = free_;
+  free_ = kept_[i].next;
+  Index* place = &first_kept_.try_emplace(pixel, none).first->second;
+  while (*place != none && kept_[*place].number < sample.number) place = &kept_[*place].next;
+  kept_[i] = {sample.radiance, sample.number, *place, std::int8_t(sample.weight), sample.covered};
+  *place = i;
+  if (!surfaces_.empty()) surfaces_[i] = {sample.first ? *sample.first : FirstSurface{}, sample.depth, sample.motion};
+  if (!costs_.empty()) costs_[i] = {sample.nanoseconds, sample.expansions};
+  count_bytes();
+}
+
+FilmSample SampleOrder::kept(Index i) const {
+  const Kept& k = kept_[i];
+  FilmSample sample{.radiance = k.radiance, .covered = k.covered, .weight = k.weight, .number = k.number};
+  if (!surfaces_.empty()) {
+    const Surface& s = surfaces_[i];
+    sample.first = &s.first, sample.depth = s.depth, sample.motion = s.motion;
+  }
+  if (!costs_.empty()) sample.nanoseconds = costs_[i].nanoseconds, sample.expansions = costs_[i].expansions;
+  return sample;
+}
+
+void SampleOrder::count_bytes() {
+  constexpr std::size_t node_bytes = 32;  // of the map, with what malloc adds
+  bytes_.store(kept_.bytes() + surfaces_.bytes() + costs_.bytes() + first_kept_.size() * node_bytes +
+                   first_kept_.bucket_count() * sizeof(void*),
+               std::memory_order_relaxed);
 }
 
 }  // namespace meristem

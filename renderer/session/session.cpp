@@ -132,6 +132,7 @@ void RenderSession::run_queues(std::uint32_t end, std::vector<RayCounts>& rays) 
   queues_->paths.run(threads_,
                      {[this](PixelSample& next) { return queues_->sequence.next(next); },
                       [this](const PixelSample& at, const FilmSample& s) { note_added(queues_->order.add(at, s)); },
+                      [this] { return queues_->sequence.bytes() + queues_->order.bytes(); },
                       [this] { return stopped(); }, [this] { look_around(); }},
                      rays);
 }

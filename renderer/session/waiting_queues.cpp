@@ -1,6 +1,7 @@
 #include "renderer/session/waiting_queues.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace meristem {
 
@@ -43,26 +44,31 @@ WaitingQueues::Index WaitingQueues::queue_named(Key name) {
   queue.since = ++queues_begun_;
   heap_.push_back(index);
   put(index, heap_.size() - 1);
-  beginnings_.push_back({index, queue.since});
   constexpr std::size_t few = 1024;
   if (beginnings_.size() > few + 2 * heap_.size()) std::erase_if(beginnings_, [&](auto& b) { return !lasts(b); });
+  beginnings_.push_back({index, queue.since});
   return index;
 }
 
 void WaitingQueues::add(std::span<const Key> names, std::uint32_t id) {
-  if (id >= waiters_.size()) waiters_.resize(std::max<std::size_t>(id + 1, 2 * waiters_.size()));
-  Waiter& waiter = waiters_[id];
-  waiter.queue_count = std::uint32_t(names.size());
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    Queue& queue = queues_[waiter.queues[i] = queue_named(names[i])];
-    ++queue.length;
-    constexpr std::size_t few = 64;
-    if (queue.members.size() > few + 2 * queue.length)
-      members_ -= std::erase_if(queue.members, [&](auto& m) { return !waits(m); });
-    queue.members.push_back({id, waiter.turn});
-    ++members_;
-    lift(queue.place);
+  if (id >= waits_.size()) waits_.resize(id + 1, none);
+  for (const Key name : names) join(id, queue_named(name));
+}
+
+void WaitingQueues::join(std::uint32_t id, Index index) {
+  if (free_member_ == none) {
+    free_member_ = Index(members_.grow());
+    members_[free_member_].in_another_queue = none;
   }
+  const Index i = free_member_;
+  Member& member = members_[i];
+  free_member_ = member.in_another_queue;
+  Queue& queue = queues_[index];
+  member = {id, index, queue.last, none, waits_[id]};
+  if (queue.last != none) members_[queue.last].after = i;
+  queue.last = waits_[id] = i;
+  ++queue.length;
+  lift(queue.place);
 }
 
 std::optional<Key> WaitingQueues::take_from_longest(std::size_t most, std::vector<std::uint32_t>& ids) {
@@ -88,28 +94,30 @@ bool WaitingQueues::lasts(const Beginning& b) const {
 }
 
 Key WaitingQueues::take_from(Index index, std::size_t most, std::vector<std::uint32_t>& ids) {
-  Queue& queue = queues_[index];
-  const Key name = queue.name;
-  for (std::size_t left = std::min<std::size_t>(most, queue.length); left > 0;) {
-    const Member member = queue.members.back();
-    queue.members.pop_back();
-    --members_;
-    if (!waits(member)) continue;
-    --left;
-    ids.push_back(member.id);
-    Waiter& waiter = waiters_[member.id];
-    ++waiter.turn;
-    for (const Index other : std::span(waiter.queues).first(waiter.queue_count)) leave(other);
+  const Key name = queues_[index].name;
+  for (std::size_t left = std::min<std::size_t>(most, queues_[index].length); left > 0; --left) {
+    const std::uint32_t id = members_[queues_[index].last].id;
+    ids.push_back(id);
+    for (Index i = std::exchange(waits_[id], none); i != none;) {
+      Member& member = members_[i];
+      leave(member);
+      const Index next = std::exchange(member.in_another_queue, free_member_);
+      free_member_ = std::exchange(i, next);
+    }
   }
   return name;
 }
 
-// One of those in it waits no more.
-void WaitingQueues::leave(Index index) {
-  Queue& queue = queues_[index];
+void WaitingQueues::leave(const Member& member) {
+  Queue& queue = queues_[member.queue];
+  if (member.before != none) members_[member.before].after = member.after;
+  (member.after != none ? members_[member.after].before : queue.last) = member.before;
   if (--queue.length > 0) return sink(queue.place);
-  members_ -= queue.members.size();
-  queue.members = {};
+  end(member.queue);
+}
+
+void WaitingQueues::end(Index index) {
+  const Queue& queue = queues_[index];
   by_name_.erase(queue.name);
   free_.push_back(index);
   const Index last = heap_.back();
@@ -121,9 +129,10 @@ void WaitingQueues::leave(Index index) {
 }
 
 std::size_t WaitingQueues::bytes() const {
-  constexpr std::size_t node_bytes = 48;  // of the map
-  return queues_.capacity() * sizeof(Queue) + 2 * queues_.capacity() * sizeof(Index) + by_name_.size() * node_bytes +
-         waiters_.capacity() * sizeof(Waiter) + 2 * members_ * sizeof(Member) + beginnings_.size() * sizeof(Beginning);
+  constexpr std::size_t node_bytes = 32;  // of the map, with what malloc adds
+  return queues_.capacity() * sizeof(Queue) + (free_.capacity() + heap_.capacity()) * sizeof(Index) +
+         by_name_.size() * node_bytes + by_name_.bucket_count() * sizeof(void*) + members_.bytes() +
+         waits_.capacity() * sizeof(Index) + beginnings_.size() * sizeof(Beginning);
 }
 
 }  // namespace meristem

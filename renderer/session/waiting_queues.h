@@ -6,6 +6,7 @@
 
 #include "geometry/accel/ray_search.h"
 #include "geometry/base/key.h"
+#include "renderer/session/block_array.h"
 
 #include <array>
 #include <cstddef>
@@ -37,22 +38,21 @@ class WaitingQueues {
   std::size_t bytes() const;
 
  private:
-  using Index = std::uint32_t;  // of a queue in queues_
-  // In a queue's list those that were taken from another stay for a while; they are known by an old turn.
+  using Index = std::uint32_t;  // of a queue in queues_, or of a member
+  static constexpr Index none = ~Index(0);
+  // An id in a queue.
   struct Member {
-    std::uint32_t id, turn;
+    std::uint32_t id;
+    Index queue;
+    Index before, after;     // in the queue
+    Index in_another_queue;  // of the id; of one that is free: another such
   };
   struct Queue {
     Key name = 0;
-    std::uint32_t length = 0;     // of those that wait; 0: free for another name
-    std::uint32_t place = 0;      // in the heap
-    std::uint64_t since = 0;      // a number that grows from queue to queue
-    std::vector<Member> members;  // and some that are gone
-  };
-  struct Waiter {
-    std::uint32_t turn = 0;  // how often it has been taken
-    std::uint32_t queue_count = 0;
-    std::array<Index, most_names> queues;
+    std::uint32_t length = 0;  // 0: free for another name
+    std::uint32_t place = 0;   // in the heap
+    std::uint64_t since = 0;   // a number that grows from queue to queue
+    Index last = none;         // that came
   };
   struct Beginning {
     Index queue;
@@ -62,11 +62,12 @@ class WaitingQueues {
     std::size_t operator()(Key name) const { return std::size_t(name); }
   };
 
-  bool waits(const Member& m) const { return waiters_[m.id].turn == m.turn; }
   bool lasts(const Beginning& b) const;
   Index queue_named(Key name);
   Key take_from(Index queue, std::size_t most, std::vector<std::uint32_t>& ids);
-  void leave(Index queue);
+  void join(std::uint32_t id, Index queue);
+  void leave(const Member& member);
+  void end(Index queue);
   std::uint32_t length_at(std::size_t place) const { return queues_[heap_[place]].length; }
   void put(Index queue, std::size_t place);  // in the heap
   void lift(std::size_t place);
@@ -75,8 +76,9 @@ class WaitingQueues {
   std::vector<Queue> queues_;
   std::vector<Index> free_, heap_;
   std::unordered_map<Key, Index, NameIsHash> by_name_;
-  std::size_t members_ = 0;           // in all queues, those that are gone among them
-  std::vector<Waiter> waiters_;       // by id
+  BlockArray<Member> members_;
+  Index free_member_ = none;
+  std::vector<Index> waits_;          // by id, one of its members; none: it waits nowhere
   std::deque<Beginning> beginnings_;  // in order, those of ended queues among them
   std::uint64_t queues_begun_ = 0;
 };

@@ -80,5 +80,53 @@ TEST(SampleOrder, SamplesEnterTheFilmInTheirOrder) {
   EXPECT_EQ(film.develop(Aov::Z).pixels, expected.develop(Aov::Z).pixels);
 }
 
+// The last sample of every pixel but those before it: what is kept is some 40 bytes each, and its memory is used again.
+TEST(SampleOrder, CountsWhatItKeepsAndUsesItsMemoryAgain) {
+  const PixelWindow many{0, 0, 100, 100};
+  Film film(many, 1);
+  SampleOrder order(film, 0);
+  const auto add_to_all = [&](std::uint32_t number) {
+    std::uint32_t added = 0;
+    for (int y = 0; y < many.y1; ++y)
+      for (int x = 0; x < many.x1; ++x) added += order.add({x, y, number}, {.number = number});
+    return added;
+  };
+  constexpr std::uint32_t pixels = 10000;
+  EXPECT_EQ(order.bytes(), 0u);
+  EXPECT_EQ(add_to_all(3), 0u);
+  const std::size_t of_one = order.bytes();
+  EXPECT_EQ(add_to_all(2), 0u);
+  EXPECT_EQ(add_to_all(1), 0u);
+  const std::size_t of_three = order.bytes();
+  EXPECT_GT(of_one, pixels * 20u);
+  EXPECT_GT(of_three, of_one + 2 * pixels * 20u);
+  EXPECT_LT(of_three, 3 * pixels * 48u);
+  EXPECT_EQ(add_to_all(0), 4 * pixels);
+  for (const std::uint32_t number : {7u, 5u, 6u}) EXPECT_EQ(add_to_all(number), 0u);
+  EXPECT_LE(order.bytes(), of_three);
+  EXPECT_EQ(add_to_all(4), 4 * pixels);
+}
+
+// Samples of a film that wants more of them: surfaces and costs come along.
+TEST(SampleOrder, AFilmGetsAllThatItWants) {
+  Film film(window, 1, {Aov::Z, Aov::CostTime, Aov::CostExpand});
+  SampleOrder order(film, 0);
+  FirstSurface first;
+  first.hit.t = 1;
+  const auto sample = [&](std::uint32_t number) {
+    return FilmSample{.number = number,
+                      .first = &first,
+                      .depth = 5 - float(number),
+                      .nanoseconds = 1000000000,
+                      .expansions = {.expanded = number + 1}};
+  };
+  EXPECT_EQ(order.add({4, 6, 1}, sample(1)), 0u);
+  EXPECT_EQ(order.add({4, 6, 0}, sample(0)), 2u);
+  const std::size_t pixel = std::size_t(6 - window.y0) * std::size_t(window.width()) + std::size_t(4 - window.x0);
+  EXPECT_EQ(film.develop(Aov::Z).pixels[pixel], 4);
+  EXPECT_EQ(film.develop(Aov::CostTime).pixels[pixel], 2);
+  EXPECT_EQ(film.develop(Aov::CostExpand).pixels[pixel], 3);
+}
+
 }  // namespace
 }  // namespace meristem

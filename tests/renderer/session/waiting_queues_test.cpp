@@ -172,5 +172,22 @@ TEST(WaitingQueues, NobodyIsLostOrServedTwice) {
   for (const auto& [name, ids] : expected) EXPECT_EQ(queues.empty() && !ids.empty(), false);
 }
 
+// Whatever comes and goes, memory is that of the most who waited at once.
+TEST(WaitingQueues, MemoryIsUsedAgain) {
+  WaitingQueues queues;
+  constexpr std::uint32_t count = 20000;
+  std::size_t most = 0;
+  for (Key round = 0; round < 20; ++round) {
+    for (std::uint32_t id = 0; id < count; ++id) add(queues, {round * 1000 + id % 50, round * 1000 + 100 + id % 7}, id);
+    if (round == 0) most = queues.bytes();
+    EXPECT_LE(queues.bytes(), most + (1 << 15));  // beginnings of ended queues leave later
+    std::set<std::uint32_t> seen;
+    while (!queues.empty())
+      for (const std::uint32_t id : taken(queues, 512)) EXPECT_TRUE(seen.insert(id).second);
+    EXPECT_EQ(seen.size(), count);
+  }
+  EXPECT_LT(most, 60u * count);
+}
+
 }  // namespace
 }  // namespace meristem
