@@ -48,7 +48,7 @@ class CellEntry : public CacheEntry {
     label.is_surface = true;
     label.tree_bytes = patch_->bytes() - patch_->tessellation().bytes();
   }
-  CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner);
+  CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner, std::shared_ptr<KnownChildren> known);
   CellEntry() = default;
   // What is placed may name the entry as its owner, so it comes in afterwards.
   void set_instances(std::unique_ptr<Instances> instances) {
@@ -140,7 +140,8 @@ class LazyRoot final : public ModelRoot {
         counts_(counts),
         store_(scratch ? std::make_shared<LeafStore>(*scratch) : nullptr),
         reach_(source_.part->placer ? source_.part->placer->reach() : Bounds3f{}),
-        name_(hash_keys(identity(), std::bit_cast<std::uintptr_t>(source_.part.get()))) {}
+        name_(hash_keys(identity(), std::bit_cast<std::uintptr_t>(source_.part.get()))),
+        number_(roots.known().new_root()) {}
 
   void intersect(RayContext& context, RTCRayHit& ray) const override {
     if (takes_braid(context))
@@ -159,7 +160,7 @@ class LazyRoot final : public ModelRoot {
     CellEntry* cell = context.search->expands ? root(context.use) : found(slot_);
     if (cell) return cell->follow(way, context, ray);
     if (slot_.state() == CacheSlot::State::Failed) return true;
-    return way.empty() && note_anew(slot_, name_, root_entry(ray.ray), ray.ray, *context.search);
+    return way.empty() && note_anew(slot_.was_expanded(), name_, root_entry(ray.ray), ray.ray, *context.search);
   }
   std::size_t braid(std::vector<const ModelRoot*>& below) const override;
   void unbraid() const override { braided_.reset(); }
@@ -182,7 +183,7 @@ class LazyRoot final : public ModelRoot {
         entry = make_entry([&] { return child_cell(model(), inner, index); }, inner.level, inner.child_bounds[index],
                            inner.child_keys[index]);
       entry->name = child_name(inner, index);
-      if (!parent.proxies().knows(index)) {  // as long as the parent lives, whatever becomes of the child
+      if (!parent.proxies().knows(index)) {  // for good, whatever becomes of the child
         const auto& cell = static_cast<const CellEntry&>(*entry);
         parent.proxies().tighten(index, cell.real_bounds(), cell.boxes());
       }
@@ -200,13 +201,14 @@ class LazyRoot final : public ModelRoot {
     if (CellEntry* cell = found(slot)) return cell;
     const WayStep step(context, index);
     const InnerCell& inner = *parent.inner();
-    note(slot, child_name(inner, index), parent.proxies().entry(index, span_of(ray)), ray, *context.search);
+    note(slot, parent.proxies().knows(index), child_name(inner, index), parent.proxies().entry(index, span_of(ray)),
+         ray, *context.search);
     return nullptr;
   }
   // A cell that was noted before and is not resident. Whether it has been noted once more, or need not be.
   bool note_child_anew(CellEntry& parent, std::size_t index, float entry, const RTCRay& ray,
                        RayContext::Search& search) const {
-    return note_anew(parent.slot(index), child_name(*parent.inner(), index), entry, ray, search);
+    return note_anew(parent.proxies().knows(index), child_name(*parent.inner(), index), entry, ray, search);
   }
   CellEntry* found(CacheSlot& slot) const { return static_cast<CellEntry*>(cache_.find(slot)); }
 
@@ -217,7 +219,7 @@ class LazyRoot final : public ModelRoot {
     if (context.only_resident) return resident(slot_, context);
     if (!context.search) return root(context.use);
     if (CellEntry* cell = found(slot_)) return cell;
-    note(slot_, name_, root_entry(ray), ray, *context.search);
+    note(slot_, slot_.was_expanded(), name_, root_entry(ray), ray, *context.search);
     return nullptr;
   }
   CellEntry* resident(CacheSlot& slot, RayContext& context) const {
@@ -227,12 +229,13 @@ class LazyRoot final : public ModelRoot {
   }
   float root_entry(const RTCRay& ray) const { return earliest_entry(with_rounding_margin(bounds()), span_of(ray)); }
 
-  static void note(const CacheSlot& slot, Key name, float entry, const RTCRay& ray, RayContext::Search& search) {
+  static void note(const CacheSlot& slot, bool is_known, Key name, float entry, const RTCRay& ray,
+                   RayContext::Search& search) {
     if (entry <= ray.tfar && slot.state() != CacheSlot::State::Failed)
-      search.missing.note(name, entry, slot.was_expanded(), search.way);
+      search.missing.note(name, entry, is_known, search.way);
   }
-  static bool note_anew(const CacheSlot& slot, Key name, float entry, const RTCRay& ray, RayContext::Search& search) {
-    if (search.knows || !slot.was_expanded()) return false;
+  static bool note_anew(bool is_known, Key name, float entry, const RTCRay& ray, RayContext::Search& search) {
+    if (search.knows || !is_known) return false;
     if (entry <= ray.tfar) search.missing.note(name, entry, true, search.way);
     return true;
   }
@@ -288,7 +291,7 @@ class LazyRoot final : public ModelRoot {
       const std::int32_t symbol = mesh.mesh.origins[mesh.mesh.face_origins[0]].symbol;
       Expansion expansion = expand(model(), std::move(mesh), level);
       const double built_from_s = counts_.now_s();
-      auto entry = entry_of(expansion, bounds, key);
+      auto entry = entry_of(expansion, bounds, key, level);
       const Bounds3f& real_bounds = static_cast<const CellEntry&>(*entry).real_bounds();
       counts_.add(
           {model(), level, hash_keys(key, identity()), symbol, expansion, start_s, built_from_s, bounds, real_bounds},
@@ -300,11 +303,12 @@ class LazyRoot final : public ModelRoot {
     }
   }
 
-  std::unique_ptr<CacheEntry> entry_of(Expansion& expansion, const Bounds3f& bounds, Key key) const {
+  std::unique_ptr<CacheEntry> entry_of(Expansion& expansion, const Bounds3f& bounds, Key key, int level) const {
     if (expansion.inner) {
       for (Bounds3f& b : expansion.inner->child_bounds) b = bounds_with_reach(b, reach_);
+      auto known = roots_.known().of(hash_keys(number_, key, Key(level)), expansion.inner->child_count());
       std::unique_ptr<CacheEntry> entry;
-      run_isolated([&] { entry = std::make_unique<CellEntry>(*this, std::move(expansion.inner)); });
+      run_isolated([&] { entry = std::make_unique<CellEntry>(*this, std::move(expansion.inner), std::move(known)); });
       return entry;
     }
     if (source_.part->placer) {
@@ -339,6 +343,7 @@ class LazyRoot final : public ModelRoot {
   const std::shared_ptr<LeafStore> store_;  // null: none
   const Bounds3f reach_;                    // of what stands on it; empty: it is shown itself
   const Key name_;                          // of its root cell, for rays that wait
+  const Key number_;                        // among those that know their cells
   mutable CacheSlot slot_;
   mutable std::unique_ptr<const BraidedCells> braided_;  // null: rays go through the cells
 };
@@ -440,10 +445,11 @@ std::size_t LazyRoot::braid(std::vector<const ModelRoot*>& below) const {
   return braided_->bytes();
 }
 
-CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner)
+CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner, std::shared_ptr<KnownChildren> known)
     : root_(&root), inner_(std::move(inner)), slots_(std::make_unique<CacheSlot[]>(inner_->child_count())) {
   for (const Bounds3f& b : inner_->child_bounds) real_bounds_.extend(b);
-  proxies_ = std::make_unique<ProxyScene>(inner_->child_bounds, BoxContents{this, intersect_child, occluded_child});
+  proxies_ = std::make_unique<ProxyScene>(inner_->child_bounds, BoxContents{this, intersect_child, occluded_child},
+                                          std::move(known));
   bytes = with_gaps(proxies_->bytes() + inner_->bytes() + inner_->child_count() * sizeof(CacheSlot) + sizeof(*this));
   label.tree_bytes = proxies_->bytes();
 }

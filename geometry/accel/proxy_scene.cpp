@@ -13,18 +13,16 @@ namespace {
 // Shares of the children whose real bounds make a new scene worth its building.
 constexpr std::array<double, 3> build_shares = {0.125, 0.5, 1.0};
 
-float rounding_margin(const Bounds3f& b) { return 1e-3f * b.diagonal(); }
-
 }  // namespace
 
-Bounds3f with_rounding_margin(const Bounds3f& b) { return b.inflated(Vec3f(rounding_margin(b))); }
-
-ProxyScene::ProxyScene(std::span<const Bounds3f> bounds, const BoxContents& children)
-    : bounds_(bounds), contents_(children), children_(bounds.size()) {
+ProxyScene::ProxyScene(std::span<const Bounds3f> bounds, const BoxContents& children,
+                       std::shared_ptr<KnownChildren> known)
+    : bounds_(bounds), contents_(children), children_(std::move(known)) {
+  for (std::size_t i = 0; i < bounds.size(); ++i) known_ += knows(i);
+  pass_thresholds();
   scenes_.push_back(build());
   current_.store(scenes_.back().get(), std::memory_order_release);
-  bytes_ = scenes_.back()->bytes() * (1 + build_shares.size()) + children_.size() * (sizeof(Child) + sizeof(Outline)) +
-           sizeof(*this);
+  bytes_ = scenes_.back()->bytes() * (1 + build_shares.size()) + KnownChildren::bytes(bounds.size()) + sizeof(*this);
 }
 
 std::unique_ptr<const BoxScene> ProxyScene::build() const {
@@ -34,31 +32,28 @@ std::unique_ptr<const BoxScene> ProxyScene::build() const {
 }
 
 float ProxyScene::entry(std::size_t index, const RaySpan& ray) const {
-  const Child& child = children_[index];
-  if (!knows(index)) return earliest_entry(with_rounding_margin(bounds_[index]), ray);
-  const float entry = earliest_entry(child.real, ray);
-  return child.outline && entry <= ray.t_max ? child.outline->entry(ray) : entry;
+  return knows(index) ? children_->entry(index, ray) : earliest_entry(with_rounding_margin(bounds_[index]), ray);
 }
 
-std::size_t ProxyScene::threshold() const {
-  const std::size_t built = scenes_.size() - 1;
-  if (built >= build_shares.size()) return children_.size() + 1;
-  return std::max<std::size_t>(1, std::size_t(build_shares[built] * double(children_.size())));
+void ProxyScene::pass_thresholds() {
+  const auto threshold = [&] {
+    return std::max<std::size_t>(1, std::size_t(build_shares[next_share_] * double(bounds_.size())));
+  };
+  while (next_share_ < build_shares.size() && known_ >= threshold()) ++next_share_;
 }
 
 void ProxyScene::tighten(std::size_t index, const Bounds3f& real, std::span<const Bounds3f> boxes) {
-  Child& child = children_[index];
-  child.real = with_rounding_margin(real);
-  if (boxes.size() > 1) child.outline = std::make_unique<const Outline>(real, boxes, rounding_margin(real));
-  child.is_known.store(true, std::memory_order_release);
-  const std::size_t known = known_.fetch_add(1) + 1;
+  children_->note(index, real, boxes);
+  known_.fetch_add(1);
   const std::unique_lock lock(build_mutex_, std::try_to_lock);
-  if (!lock || known < threshold()) return;
+  if (!lock) return;
+  const std::size_t share = next_share_;
+  pass_thresholds();
+  if (next_share_ == share) return;
   try {
     run_isolated([&] { scenes_.push_back(build()); });
     current_.store(scenes_.back().get(), std::memory_order_release);
-  } catch (const std::exception&) {
-    scenes_.push_back(nullptr);  // no memory for a better scene: the old one serves
+  } catch (const std::exception&) {  // no memory for a better scene: the old one serves
   }
 }
 

@@ -3,6 +3,8 @@
 #include "geometry/cells/expansion.h"
 #include "geometry/cells/placed_footprint.h"
 
+#include <limits>
+
 namespace meristem {
 
 namespace {
@@ -16,6 +18,12 @@ void find_bounds(RootSource& source) {
 }
 
 }  // namespace
+
+// Where nothing is evicted it need not be kept.
+std::size_t Roots::most_known_bytes(const GeometryCache& cache) {
+  constexpr std::size_t share = 16;
+  return cache.budget_bytes() == std::numeric_limits<std::size_t>::max() ? 0 : cache.budget_bytes() / share;
+}
 
 std::unique_ptr<ModelRoot> Roots::make(RootSource source) {
   const bool is_surface = source.part->model && !source.part->placer;
