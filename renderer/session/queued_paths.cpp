@@ -234,7 +234,7 @@ void QueuedPaths::begin_paths(Worker& worker) {
 // For another path; one is always alive. The searches of paths that have just begun will grow. A slow start: until most
 // cells have been expanded once their boxes are wide, and a ray notes hundreds of them.
 bool QueuedPaths::has_room(const Exchange& exchange) {
-  constexpr std::uint64_t paths_at_start = 2048, paths_a_serving = 64;
+  constexpr std::uint64_t paths_at_start = 2048, paths_a_serving = 256;
   if (alive_ >= paths_at_start + paths_a_serving * statistics_.served) return false;
   constexpr std::size_t usual_search_bytes = 96;
   const std::size_t searches = search_bytes_.load(std::memory_order_relaxed),
