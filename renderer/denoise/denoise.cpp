@@ -38,8 +38,9 @@ void for_pixels(const Plane& plane, Body body) {
 }
 
 // Takes out what a single path has brought and none around it: a pixel of one half that is brighter than its
-// surroundings in both halves, and than the other half, comes down to the larger of the two.
-void dim_fireflies(std::array<Color, 2>& halves) {
+// surroundings in both halves, and than the other half, comes down to the larger of the two; and the variance of its
+// samples with it, which would otherwise tell of light that is no longer there.
+void dim_fireflies(std::array<Color, 2>& halves, Plane& variance) {
   constexpr int radius = 2;
   constexpr float deviations = 3;
   const std::array<Color, 2> before = halves;
@@ -60,9 +61,12 @@ void dim_fireflies(std::array<Color, 2>& halves) {
       const float own = luminance_at(before[h], x, y), other = luminance_at(before[1 - h], x, y);
       const float limit = std::max(mean + deviations * deviation, other);
       if (own <= limit) continue;
-      for (Plane& plane : halves[h]) plane.row(y)[x] *= limit / own;
+      const float factor = limit / own;
+      for (Plane& plane : halves[h]) plane.row(y)[x] *= factor;
+      variance.row(y)[x] *= factor * factor;
     }
   });
+  variance.extend();
   for (Color& half : halves)
     for (Plane& plane : half) plane.extend();
 }
@@ -121,9 +125,10 @@ std::vector<Tile> tiles_of(int width, int height) {
 
 Image denoised(const Input& input) {
   std::array<Color, 2> halves{color_of(input.halves[0]), color_of(input.halves[1])};
-  dim_fireflies(halves);
+  Plane of_samples = plane_of(input.variance, 0);
+  dim_fireflies(halves, of_samples);
   const int width = halves[0][0].width(), height = halves[0][0].height();
-  const std::array<Plane, 3> variance = variance_of_half(halves, plane_of(input.variance, 0));
+  const std::array<Plane, 3> variance = variance_of_half(halves, of_samples);
   Features features;
   for (int c = 0; c < 3; ++c) {
     features[std::size_t(c)] = plane_of(input.albedo, c);

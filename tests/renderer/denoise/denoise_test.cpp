@@ -135,6 +135,43 @@ TEST(Denoise, RareLightOverEvenSurfacesLeavesNoSpecks) {
   EXPECT_EQ(specks, 0) << "of " << image.pixels.size();
 }
 
+// Even noise on an even surface, and one pixel in 400 to which a single path has brought a glint. The glint is dimmed;
+// what its samples say of noise must not let the noise around it be taken for what is there.
+TEST(Denoise, FirefliesLeaveNoNoiseAroundThem) {
+  constexpr int samples = 8;
+  Rendered r = render(samples, 3);
+  const auto steps_from_glint = [](int x, int y) { return std::max(std::abs(x % 20 - 10), std::abs(y % 20 - 10)); };
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::size_t i = std::size_t(y * width + x);
+      double sum = 0, squares = 0;
+      float half[2] = {};
+      for (std::size_t n = 0; n < samples; ++n) {
+        const bool glint = n == 3 && steps_from_glint(x, y) == 0;
+        const float light = glint ? 300.0f : 2 * uniform_float(hash_keys(5, Key(i), Key(n)));
+        half[n & 1] += light * 2 / samples;
+        sum += double(light), squares += double(light) * double(light);
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t h = 0; h < 2; ++h) r.input.halves[h].pixels[3 * i + c] = half[h];
+        r.input.albedo.pixels[3 * i + c] = 0.5f;
+        r.input.normal.pixels[3 * i + c] = c == 1 ? 1.0f : 0.0f;
+      }
+      r.input.variance.pixels[i] = float((squares - sum * sum / samples) / (samples - 1) / samples);
+    }
+  const Image image = denoise::denoised(r.input);
+  double near = 0, far = 0;
+  int near_count = 0, far_count = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double error = double(image.pixels[std::size_t(y * width + x) * 3]) - 1;
+      const int steps = steps_from_glint(x, y);
+      if (steps > 0 && steps < 5) near += error * error, ++near_count;
+      if (steps > 7) far += error * error, ++far_count;
+    }
+  EXPECT_LT(near / near_count, 2 * far / far_count);
+}
+
 TEST(Denoise, ThreadsDoNotMatter) {
   const Rendered r = render(8, 3);
   const auto by = [&](int threads) {
