@@ -73,17 +73,23 @@ void dim_fireflies(std::array<Color, 2>& halves, Plane& variance) {
 
 // The variance of a half's pixels. That of the samples is known pixel by pixel, but is of luminance and knows nothing
 // of how well the samples were spread; the difference of the halves knows both, but is itself very noisy. So the
-// former is scaled by the ratio of both over a neighbourhood (Bitterli et al. 2016, section 5.1).
+// former is scaled by the ratio of both over a neighbourhood (Bitterli et al. 2016, section 5.1). Each pixel counts
+// there in shares of the variance near it: else a single bright one, whose halves happen to agree, would make all the
+// neighbourhood seem free of noise.
 std::array<Plane, 3> variance_of_half(const std::array<Color, 2>& halves, const Plane& of_samples) {
   constexpr int radius = 5;
-  const Plane samples_around = box_mean(of_samples, radius);
-  const Plane samples_near = box_mean(of_samples, 1);
+  const Plane near = box_mean(of_samples, 1);
+  const auto share = [&](float variance, int x, int y) { return near.at(x, y) > 0 ? variance / near.at(x, y) : 0; };
+  Plane samples(of_samples.width(), of_samples.height());
+  for_pixels(samples, [&](int x, int y) { samples.row(y)[x] = share(of_samples.at(x, y), x, y); });
+  samples.extend();
+  const Plane samples_around = box_mean(samples, radius);
   std::array<Plane, 3> result;
   for (std::size_t c = 0; c < 3; ++c) {
     Plane difference(of_samples.width(), of_samples.height());
     for_pixels(of_samples, [&](int x, int y) {
       const float d = halves[0][c].at(x, y) - halves[1][c].at(x, y);
-      difference.row(y)[x] = 0.5f * d * d;
+      difference.row(y)[x] = share(0.5f * d * d, x, y);
     });
     difference.extend();
     const Plane halves_around = box_mean(difference, radius);
@@ -91,8 +97,7 @@ std::array<Plane, 3> variance_of_half(const std::array<Color, 2>& halves, const 
     for_pixels(of_samples, [&](int x, int y) {
       const float around = samples_around.at(x, y);
       const float ratio = around > 0 ? halves_around.at(x, y) / around : 0;
-      const float known = 0.5f * (of_samples.at(x, y) + samples_near.at(x, y));
-      result[c].row(y)[x] = ratio * known;
+      result[c].row(y)[x] = ratio * 0.5f * (of_samples.at(x, y) + near.at(x, y));
     });
     result[c].extend();
   }

@@ -135,10 +135,14 @@ TEST(Denoise, RareLightOverEvenSurfacesLeavesNoSpecks) {
   EXPECT_EQ(specks, 0) << "of " << image.pixels.size();
 }
 
-// Even noise on an even surface, and one pixel in 400 to which a single path has brought a glint. The glint is dimmed;
-// what its samples say of noise must not let the noise around it be taken for what is there.
-TEST(Denoise, FirefliesLeaveNoNoiseAroundThem) {
+// Even noise on an even surface, and one pixel in 400 to which a path has brought a glint, or one path of each half.
+// The former is dimmed, the latter stays; what their samples say of noise must not let the noise around them be taken
+// for what is there.
+class GlintsOfPaths : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(GlintsOfPaths, LeaveNoNoiseAroundThem) {
   constexpr int samples = 8;
+  const std::size_t paths = GetParam();
   Rendered r = render(samples, 3);
   const auto steps_from_glint = [](int x, int y) { return std::max(std::abs(x % 20 - 10), std::abs(y % 20 - 10)); };
   for (int y = 0; y < height; ++y)
@@ -147,7 +151,7 @@ TEST(Denoise, FirefliesLeaveNoNoiseAroundThem) {
       double sum = 0, squares = 0;
       float half[2] = {};
       for (std::size_t n = 0; n < samples; ++n) {
-        const bool glint = n == 3 && steps_from_glint(x, y) == 0;
+        const bool glint = n < paths && steps_from_glint(x, y) == 0;
         const float light = glint ? 300.0f : 2 * uniform_float(hash_keys(5, Key(i), Key(n)));
         half[n & 1] += light * 2 / samples;
         sum += double(light), squares += double(light) * double(light);
@@ -171,6 +175,8 @@ TEST(Denoise, FirefliesLeaveNoNoiseAroundThem) {
     }
   EXPECT_LT(near / near_count, 2 * far / far_count);
 }
+
+INSTANTIATE_TEST_SUITE_P(Denoise, GlintsOfPaths, testing::Values(1, 2));
 
 TEST(Denoise, ThreadsDoNotMatter) {
   const Rendered r = render(8, 3);
