@@ -37,6 +37,10 @@ void for_pixels(const Plane& plane, Body body) {
   });
 }
 
+// Of two fireflies near to each other each is part of the other's surroundings: one pass dims both to half, two to a
+// fifth. More take away too much of light that only rare paths bring.
+constexpr int dimming_passes = 2;
+
 // Takes out what a single path has brought and none around it: a pixel of one half that is brighter than its
 // surroundings in both halves, and than the other half, comes down to the larger of the two; and the variance of its
 // samples with it, which would otherwise tell of light that is no longer there.
@@ -44,12 +48,14 @@ void dim_fireflies(std::array<Color, 2>& halves, Plane& variance) {
   constexpr int radius = 2;
   constexpr float deviations = 3;
   const std::array<Color, 2> before = halves;
+  const int width = variance.width(), height = variance.height();
   for_pixels(before[0][0], [&](int x, int y) {
     float sum = 0, squares = 0;
     int count = 0;
     for (int dy = -radius; dy <= radius; ++dy)
       for (int dx = -radius; dx <= radius; ++dx) {
-        if (dx == 0 && dy == 0) continue;
+        const bool itself = std::clamp(x + dx, 0, width - 1) == x && std::clamp(y + dy, 0, height - 1) == y;
+        if (itself) continue;
         for (const Color& half : before) {
           const float l = luminance_at(half, x + dx, y + dy);
           sum += l, squares += l * l, ++count;
@@ -131,7 +137,7 @@ std::vector<Tile> tiles_of(int width, int height) {
 Image denoised(const Input& input) {
   std::array<Color, 2> halves{color_of(input.halves[0]), color_of(input.halves[1])};
   Plane of_samples = plane_of(input.variance, 0);
-  dim_fireflies(halves, of_samples);
+  for (int pass = 0; pass < dimming_passes; ++pass) dim_fireflies(halves, of_samples);
   const int width = halves[0][0].width(), height = halves[0][0].height();
   const std::array<Plane, 3> variance = variance_of_half(halves, of_samples);
   Features features;

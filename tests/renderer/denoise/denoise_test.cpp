@@ -135,24 +135,18 @@ TEST(Denoise, RareLightOverEvenSurfacesLeavesNoSpecks) {
   EXPECT_EQ(specks, 0) << "of " << image.pixels.size();
 }
 
-// Even noise on an even surface, and one pixel in 400 to which a path has brought a glint, or one path of each half.
-// The former is dimmed, the latter stays; what their samples say of noise must not let the noise around them be taken
-// for what is there.
-class GlintsOfPaths : public testing::TestWithParam<std::size_t> {};
-
-TEST_P(GlintsOfPaths, LeaveNoNoiseAroundThem) {
+// Even noise around 1 on an even surface; sample n of a pixel is 300 where glint(x, y, n) says so.
+template <class Glint>
+Rendered even_noise(Glint glint) {
   constexpr int samples = 8;
-  const std::size_t paths = GetParam();
   Rendered r = render(samples, 3);
-  const auto steps_from_glint = [](int x, int y) { return std::max(std::abs(x % 20 - 10), std::abs(y % 20 - 10)); };
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = std::size_t(y * width + x);
       double sum = 0, squares = 0;
       float half[2] = {};
       for (std::size_t n = 0; n < samples; ++n) {
-        const bool glint = n < paths && steps_from_glint(x, y) == 0;
-        const float light = glint ? 300.0f : 2 * uniform_float(hash_keys(5, Key(i), Key(n)));
+        const float light = glint(x, y, n) ? 300.0f : 2 * uniform_float(hash_keys(5, Key(i), Key(n)));
         half[n & 1] += light * 2 / samples;
         sum += double(light), squares += double(light) * double(light);
       }
@@ -163,6 +157,17 @@ TEST_P(GlintsOfPaths, LeaveNoNoiseAroundThem) {
       }
       r.input.variance.pixels[i] = float((squares - sum * sum / samples) / (samples - 1) / samples);
     }
+  return r;
+}
+
+// To one pixel in 400 a path has brought a glint, or one path of each half. The former is dimmed, the latter stays;
+// what their samples say of noise must not let the noise around them be taken for what is there.
+class GlintsOfPaths : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(GlintsOfPaths, LeaveNoNoiseAroundThem) {
+  const std::size_t paths = GetParam();
+  const auto steps_from_glint = [](int x, int y) { return std::max(std::abs(x % 20 - 10), std::abs(y % 20 - 10)); };
+  const Rendered r = even_noise([&](int x, int y, std::size_t n) { return n < paths && steps_from_glint(x, y) == 0; });
   const Image image = denoise::denoised(r.input);
   double near = 0, far = 0;
   int near_count = 0, far_count = 0;
@@ -177,6 +182,20 @@ TEST_P(GlintsOfPaths, LeaveNoNoiseAroundThem) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Denoise, GlintsOfPaths, testing::Values(1, 2));
+
+// Where two fireflies are near to each other, and at the image's edge, beyond which it is repeated.
+TEST(Denoise, FirefliesLeaveNoBlocks) {
+  const auto brightest = [](auto glint) {
+    const Image image =
+        denoise::denoised(even_noise([&](int x, int y, std::size_t n) { return n == 3 && glint(x, y); }).input);
+    return *std::ranges::max_element(image.pixels);
+  };
+  const float without = brightest([](int, int) { return false; });
+  EXPECT_LT(brightest([](int x, int y) { return x % 30 == 15 && y % 30 == 15; }), 1.1f * without);
+  EXPECT_LT(brightest([](int x, int y) { return (x % 30 == 15 || x % 30 == 17) && y % 30 == 15; }), 1.1f * without);
+  EXPECT_LT(brightest([](int x, int y) { return x % 30 == 15 && y % (height - 1) == 0; }), 1.1f * without);
+  EXPECT_LT(brightest([](int x, int y) { return x % (width - 1) == 0 && y % (height - 1) == 0; }), 1.1f * without);
+}
 
 TEST(Denoise, ThreadsDoNotMatter) {
   const Rendered r = render(8, 3);
