@@ -71,13 +71,11 @@ VECTOR_CLONES void sum_up(const Strip& strip, Equations* equations) {
     }
 }
 
-// A colour that is this many times the mean of those it was fitted to, or one part in so many, is no fit but an
-// extrapolation: of light that one path in hundreds brings, over features that hardly vary.
+// A colour of which a channel is this many times the mean of those it was fitted to, or one part in so many, is no fit
+// but an extrapolation: of light that one path in hundreds brings, over features that hardly vary.
 constexpr float trusted_factor = 8;
 
-float trusted(float fitted, float mean) {
-  return fitted * trusted_factor < mean || fitted > trusted_factor * mean ? mean : fitted;
-}
+bool trusted(float fitted, float mean) { return fitted * trusted_factor >= mean && fitted <= trusted_factor * mean; }
 
 // Solves the equations of one lane by Cholesky's decomposition for the first unknown of each right side: the colour in
 // the middle. In turned order it is the last, the one that forward substitution gives without going back.
@@ -96,18 +94,20 @@ std::array<float, 3> value_in_the_middle(const Equations& e, int lane, float sti
       for (int k = 0; k < j; ++k) v -= l[i][k] * l[j][k];
       l[i][j] = i == j ? std::sqrt(std::max(v, 1e-12 * sum)) : v / l[j][j];
     }
-  std::array<float, 3> result;
-  for (int c = 0; c < 3; ++c) {
+  std::array<float, 3> fitted, mean;
+  bool all_trusted = true;
+  for (std::size_t c = 0; c < 3; ++c) {
     double y[unknowns];
     for (int i = 0; i < unknowns; ++i) {
       y[i] = double(e.right[c][turned(i)][lane]);
       for (int k = 0; k < i; ++k) y[i] -= l[i][k] * y[k];
       y[i] /= l[i][i];
     }
-    const float fitted = float(y[unknowns - 1] / l[unknowns - 1][unknowns - 1]);
-    result[std::size_t(c)] = sum > 0 ? trusted(fitted, float(double(e.right[c][0][lane]) / sum)) : fitted;
+    fitted[c] = float(y[unknowns - 1] / l[unknowns - 1][unknowns - 1]);
+    mean[c] = sum > 0 ? float(double(e.right[c][0][lane]) / sum) : fitted[c];
+    all_trusted = all_trusted && trusted(fitted[c], mean[c]);
   }
-  return result;
+  return all_trusted ? fitted : mean;
 }
 
 }  // namespace
