@@ -56,6 +56,38 @@ class SampledRay {
   ExpansionRecorder* recorder_;
 };
 
+// A ray on its way, with what it needs there.
+class Tracing {
+ public:
+  Tracing(const Ray& ray, ExpansionRecorder* recorder) : tree_(ray.origin, ray.direction), sampled_(recorder, context) {
+    query.ray = {ray.origin.x,
+                 ray.origin.y,
+                 ray.origin.z,
+                 ray.t_min,
+                 ray.direction.x,
+                 ray.direction.y,
+                 ray.direction.z,
+                 ray.time,
+                 ray.t_max,
+                 ~0u,
+                 0,
+                 0};
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcInitIntersectContext(&context.embree);
+    context.tree_ray = &tree_;
+  }
+  Tracing(const Tracing&) = delete;
+  Tracing& operator=(const Tracing&) = delete;
+
+  RTCRayHit query;
+  RayContext context;
+
+ private:
+  const TreeRay tree_;
+  const SampledRay sampled_;
+};
+
 // A visit to the cache while one lives, if entries may leave it at all.
 class VisitIfEvicted {
  public:
@@ -83,30 +115,21 @@ class World final : public Intersector {
   }
 
   bool intersect(const Ray& ray, SurfaceHit& hit) const override {
-    RTCRayHit query;
-    if (!start(ray, query.ray)) return false;
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    RayContext context;
-    rtcInitIntersectContext(&context.embree);
-    const TreeRay tree(ray.origin, ray.direction);
-    context.tree_ray = &tree;
-    const SampledRay sampled(recorder_.get(), context);
+    if (!can_meet(ray)) return false;
+    Tracing tracing(ray, recorder_.get());
+    RayContext& context = tracing.context;
     const VisitIfEvicted visit(cache_);
-    worlds_->route(ray).intersect(context, query);
+    worlds_->route(ray).intersect(context, tracing.query);
     if (context.acquired > 0) cache_.count_acquired(context.acquired);
-    if (context.patch) hit = surface_hit(context, query);
+    if (context.patch) hit = surface_hit(context, tracing.query);
     return context.patch != nullptr;
   }
 
   bool occluded(const Ray& ray) const override {
-    RTCRay query;
-    if (!start(ray, query)) return false;
-    RayContext context;
-    rtcInitIntersectContext(&context.embree);
-    const TreeRay tree(ray.origin, ray.direction);
-    context.tree_ray = &tree;
-    const SampledRay sampled(recorder_.get(), context);
+    if (!can_meet(ray)) return false;
+    Tracing tracing(ray, recorder_.get());
+    RayContext& context = tracing.context;
+    RTCRay& query = tracing.query.ray;
     const VisitIfEvicted visit(cache_);
     // What is resident may be in the way, and spare what is not its expansion.
     const RayRoute route = worlds_->route(ray);
@@ -119,21 +142,15 @@ class World final : public Intersector {
   }
 
   RaySearch::End search(const Ray& ray, bool any, RaySearch& search, SurfaceHit& hit) const override {
-    RTCRayHit query;
-    if (!start(ray, query.ray)) return RaySearch::End::Missed;
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    RayContext context;
-    rtcInitIntersectContext(&context.embree);
-    const TreeRay tree(ray.origin, ray.direction);
-    context.tree_ray = &tree;
-    const SampledRay sampled(recorder_.get(), context);
-    SearchDriver driver(search, any, context, query);
+    if (!can_meet(ray)) return RaySearch::End::Missed;
+    Tracing tracing(ray, recorder_.get());
+    RayContext& context = tracing.context;
+    SearchDriver driver(search, any, context, tracing.query);
     RaySearch::End end = RaySearch::End::Missed;
     {
       const GeometryCache::Visit visit(cache_);
       end = driver.go_on(worlds_->route(ray), cache_);
-      if (context.patch && !driver.overflows()) hit = surface_hit(context, query);
+      if (context.patch && !driver.overflows()) hit = surface_hit(context, tracing.query);
     }
     cache_.count_acquired(context.acquired);
     if (driver.overflows()) {
@@ -224,25 +241,12 @@ class World final : public Intersector {
     hit.dpdv = to_world.vector(hit.dpdv);
   }
 
-  bool start(const Ray& ray, RTCRay& query) const {
+  bool can_meet(const Ray& ray) const {
     if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vec3f{}) {
       invalid_rays_.fetch_add(1, std::memory_order_relaxed);
       return false;
     }
-    if (worlds_->empty()) return false;
-    query = {ray.origin.x,
-             ray.origin.y,
-             ray.origin.z,
-             ray.t_min,
-             ray.direction.x,
-             ray.direction.y,
-             ray.direction.z,
-             ray.time,
-             ray.t_max,
-             ~0u,
-             0,
-             0};
-    return true;
+    return !worlds_->empty();
   }
 
   // What is kept must leave a part of the budget to what will be expanded, and braids cost a few hundredths.

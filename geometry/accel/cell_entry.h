@@ -1,0 +1,64 @@
+// CellEntry: a cell as long as it is resident. The work on it is done by the root that it belongs to.
+#pragma once
+
+#include "geometry/accel/instances.h"
+#include "geometry/accel/leaf_store.h"
+#include "geometry/accel/proxy_scene.h"
+#include "geometry/cells/expansion.h"
+
+#include <memory>
+#include <vector>
+
+namespace meristem {
+
+class LazyRoot;
+
+// A resident cell: a surface patch, child cells behind a scene of their bounds, or placed parts.
+class CellEntry : public CacheEntry {
+ public:
+  CellEntry(std::unique_ptr<SurfacePatch> patch, Key key);
+  CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner, std::shared_ptr<KnownChildren> known);
+  CellEntry() = default;
+  // What is placed may name the entry as its owner, so it comes in afterwards.
+  void set_instances(std::unique_ptr<Instances> instances);
+
+  void intersect(RayContext& context, RTCRayHit& ray);
+  void occluded(RayContext& context, RTCRay& ray);
+
+  // Where the surface goes when it is evicted.
+  void set_store(const std::shared_ptr<LeafStore>& store) { store_ = store; }
+  void forgotten() override {
+    if (store_) store_->keep(name, *patch_, label);
+  }
+
+  // As ModelRoot::follow(): the way goes on with one of the children or instances, or ends here.
+  bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray);
+
+  const LazyRoot& root() const { return *root_; }
+  const SurfacePatch* patch() const { return patch_.get(); }
+  const InnerCell* inner() const { return inner_.get(); }
+  const Instances* instances() const { return instances_.get(); }
+  CacheSlot& slot(std::size_t child) { return slots_[child]; }
+  ProxyScene& proxies() { return *proxies_; }
+  // What stands in the boxes of its children, by their numbers.
+  BoxContents contents();
+  // Of a surface or of placed parts: their own. Of child cells: the union of their bounds before expansion.
+  const Bounds3f& real_bounds() const { return real_bounds_; }
+  // Small boxes that hold all of it; none if they would not be few.
+  std::vector<Bounds3f> boxes() const;
+
+ private:
+  std::unique_ptr<SurfacePatch> patch_;
+  Key key_ = 0;
+  Bounds3f real_bounds_;
+  const LazyRoot* root_ = nullptr;
+  std::unique_ptr<InnerCell> inner_;
+  std::unique_ptr<CacheSlot[]> slots_;
+  std::unique_ptr<ProxyScene> proxies_;
+  std::unique_ptr<Instances> instances_;
+  std::shared_ptr<LeafStore> store_;  // of its root, which it may outlive; only of a surface
+};
+
+RaySpan span_of(const RTCRay& ray);
+
+}  // namespace meristem

@@ -1,0 +1,120 @@
+// What goes through the cells of lazy roots by itself, without a ray.
+#include "geometry/accel/lazy_root.h"
+#include "geometry/base/parallel.h"
+#include "geometry/cells/level_of_detail.h"
+
+#include <atomic>
+#include <functional>
+#include <set>
+
+namespace meristem {
+
+namespace {
+
+// What a braid is made of: the surfaces below a cell that is split, and what else stands in its children.
+struct Strands {
+  std::vector<BraidedCells::Surface> surfaces;
+  std::vector<BraidedCells::Other> others;
+  std::vector<const ModelRoot*>& roots;  // that stand in instances
+
+  void add(CellEntry& cell) {
+    for (std::uint32_t i = 0; i < cell.inner()->child_count(); ++i) {
+      CellEntry* const child = cell.root().found(cell.slot(i));
+      if (child && child->patch()) {
+        surfaces.push_back({child->patch(), cell.inner()->child_keys[i]});
+      } else if (child && child->inner()) {
+        add(*child);
+      } else {
+        others.push_back({cell.proxies().bounds(i), cell.contents(), i});
+        if (child) add_roots(*child);
+      }
+    }
+  }
+  void add_roots(const CellEntry& cell) {
+    const std::vector<const ModelRoot*> placed = cell.instances()->roots();
+    roots.insert(roots.end(), placed.begin(), placed.end());
+  }
+};
+
+class ChainMeasure {
+ public:
+  std::size_t largest_below(const ModelRoot& root) {
+    const auto* lazy = dynamic_cast<const LazyRoot*>(&root);
+    if (!lazy || !seen_.insert(lazy->part()).second) return 0;
+    CellEntry* cell = lazy->root();
+    return cell ? below(*cell) : 0;
+  }
+
+ private:
+  std::size_t below(CellEntry& cell) {
+    std::size_t most = 0;
+    if (cell.instances())
+      for (const ModelRoot* root : cell.instances()->roots()) most = std::max(most, largest_below(*root));
+    if (cell.inner())
+      if (CellEntry* child = cell.root().child(cell, largest_child(cell))) most = below(*child);
+    return cell.bytes + most;
+  }
+  static std::size_t largest_child(const CellEntry& cell) {
+    const InnerCell& inner = *cell.inner();
+    std::size_t largest = 0;
+    double most = -1;
+    for (std::size_t i = 0; i < inner.child_count(); ++i) {
+      double faces = 0;
+      for (std::uint32_t f : inner.faces_of_child(i))
+        faces += wanted_faces(cell.root().model(), inner.cell, f, inner.level);
+      if (faces > most) most = faces, largest = i;
+    }
+    return largest;
+  }
+
+  std::set<const Part*> seen_;
+};
+
+}  // namespace
+
+std::size_t LazyRoot::braid(std::vector<const ModelRoot*>& below) const {
+  CellEntry* const cell = found(slot_);
+  if (!cell || cell->patch()) return 0;
+  Strands strands{{}, {}, below};
+  if (!cell->inner()) {
+    strands.add_roots(*cell);
+    return 0;
+  }
+  strands.add(*cell);
+  braided_ = std::make_unique<const BraidedCells>(std::move(strands.surfaces), std::move(strands.others));
+  return braided_->bytes();
+}
+
+std::size_t largest_chain_bytes(const std::vector<const ModelRoot*>& roots) {
+  std::size_t most = 0;
+  ChainMeasure measure;
+  for (const ModelRoot* root : roots) most = std::max(most, measure.largest_below(*root));
+  return most;
+}
+
+void expand_everything(std::vector<const ModelRoot*> roots, int threads) {
+  std::set<const ModelRoot*> seen;
+  std::vector<std::function<CellEntry*()>> generation;
+  const auto add_root = [&](const ModelRoot* root) {
+    const auto* lazy = dynamic_cast<const LazyRoot*>(root);
+    if (lazy && seen.insert(lazy).second) generation.push_back([lazy] { return lazy->root(); });
+  };
+  for (const ModelRoot* root : roots) add_root(root);
+  while (!generation.empty()) {
+    std::vector<CellEntry*> cells(generation.size());
+    std::atomic<std::size_t> counter{0};
+    run_threads(threads, [&](int) {
+      for (std::size_t i; (i = counter.fetch_add(1)) < generation.size();) cells[i] = generation[i]();
+    });
+    generation.clear();
+    for (CellEntry* cell : cells) {
+      if (!cell) continue;
+      for (std::size_t i = 0; cell->inner() && i < cell->inner()->child_count(); ++i)
+        generation.push_back([cell, i] { return cell->root().child(*cell, i); });
+      if (cell->instances())
+        for (const ModelRoot* root : cell->instances()->roots()) add_root(root);
+    }
+  }
+}
+
+}  // namespace meristem
