@@ -16,6 +16,36 @@ void sort(FewBoxes::List& entered, std::size_t count) {
 
 }  // namespace
 
+class BoxScene::Nearest final : public BraidVisitor {
+ public:
+  Nearest(const BoxContents& contents, RayContext& context, RTCRayHit& ray)
+      : BraidVisitor(ray.ray.tfar), contents_(contents), context_(context), ray_(ray) {}
+  void enter(std::uint32_t box) override {
+    contents_.intersect(contents_.owner, box, context_, ray_);
+    t_max = ray_.ray.tfar;
+  }
+
+ private:
+  const BoxContents& contents_;
+  RayContext& context_;
+  RTCRayHit& ray_;
+};
+
+class BoxScene::Any final : public BraidVisitor {
+ public:
+  Any(const BoxContents& contents, RayContext& context, RTCRay& ray)
+      : BraidVisitor(ray.tfar), contents_(contents), context_(context), ray_(ray) {}
+  void enter(std::uint32_t box) override {
+    contents_.occluded(contents_.owner, box, context_, ray_);
+    t_max = ray_.tfar;
+  }
+
+ private:
+  const BoxContents& contents_;
+  RayContext& context_;
+  RTCRay& ray_;
+};
+
 // Embree's callbacks. Contents do not throw, so nothing crosses the C boundary.
 void BoxScene::box_bounds(const RTCBoundsFunctionArguments* args) {
   const Bounds3f& b = static_cast<const BoxScene*>(args->geometryUserPtr)->boxes_[args->primID];
@@ -42,6 +72,11 @@ BoxScene::BoxScene(std::span<const Bounds3f> boxes, const BoxContents& contents)
     bytes_ = sizeof(*this) + few_->bytes();
     return;
   }
+  if (boxes.size() <= most_in_tree) {
+    tree_.emplace(std::span<const Braid::Tree>(), boxes);
+    bytes_ = sizeof(*this) + tree_->bytes();
+    return;
+  }
   boxes_ = boxes;
   scene_.reset(rtcNewScene(embree_device()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
@@ -61,6 +96,10 @@ BoxScene::BoxScene(std::span<const Bounds3f> boxes, const BoxContents& contents)
 std::vector<Bounds3f> BoxScene::few_boxes() const { return few_ ? few_->boxes() : std::vector<Bounds3f>(); }
 
 void BoxScene::intersect(RayContext& context, RTCRayHit& ray) const {
+  if (tree_) {
+    Nearest visitor(contents_, context, ray);
+    return tree_->intersect(*context.tree_ray, ray.ray.tnear, visitor);
+  }
   if (scene_) return rtcIntersect1(scene_.get(), &context.embree, &ray);
   FewBoxes::List entered;
   const std::size_t count = few_->meet(*context.tree_ray, ray.ray.tnear, ray.ray.tfar, entered);
@@ -70,6 +109,11 @@ void BoxScene::intersect(RayContext& context, RTCRayHit& ray) const {
 }
 
 void BoxScene::occluded(RayContext& context, RTCRay& ray) const {
+  if (tree_) {
+    Any visitor(contents_, context, ray);
+    tree_->occluded(*context.tree_ray, ray.tnear, visitor);
+    return;
+  }
   if (scene_) return rtcOccluded1(scene_.get(), &context.embree, &ray);
   FewBoxes::List entered;
   const std::size_t count = few_->meet(*context.tree_ray, ray.tnear, ray.tfar, entered);

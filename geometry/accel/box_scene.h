@@ -1,10 +1,11 @@
-// BoxScene: boxes, and what a ray does that enters one: few are held against it one by one, many are an Embree scene of
-// user geometry.
+// BoxScene: boxes, and what a ray does that enters one. Few are held against it one by one; up to a thousand are a tree
+// of ours, which is small and soon built; more are an Embree scene of user geometry, which rays pass faster.
 #pragma once
 
 #include "geometry/accel/embree_device.h"
 #include "geometry/accel/few_boxes.h"
 #include "geometry/accel/model_root.h"
+#include "geometry/tree/braid.h"
 
 #include <memory>
 #include <optional>
@@ -27,21 +28,25 @@ class BoxScene {
   BoxScene(const BoxScene&) = delete;  // Embree holds on to the contents
   BoxScene& operator=(const BoxScene&) = delete;
 
-  // Through the boxes that the ray enters, few of them in the order in which it does.
+  // Through the boxes that the ray enters, up to a thousand in the order in which it does.
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
   std::size_t bytes() const { return bytes_; }
   std::vector<Bounds3f> few_boxes() const;  // none if they are many
 
  private:
+  class Nearest;
+  class Any;
+  static constexpr std::size_t most_in_tree = 1024;
   static void box_bounds(const RTCBoundsFunctionArguments* args);
   static void intersect_box(const RTCIntersectFunctionNArguments* args);
   static void occluded_box(const RTCOccludedFunctionNArguments* args);
 
   const BoxContents contents_;
   std::span<const Bounds3f> boxes_;  // while it is built
-  std::optional<FewBoxes> few_;
-  ScenePtr scene_;  // null: they are few
+  std::optional<FewBoxes> few_;      // or
+  std::optional<Braid> tree_;        // or
+  ScenePtr scene_;
   std::size_t bytes_;
 };
 

@@ -27,7 +27,6 @@ class BraidedCells::Any final : public BraidVisitor {
  public:
   Any(const BraidedCells& cells, RayContext& context, RTCRay& ray)
       : BraidVisitor(ray.tfar), cells_(cells), context_(context), ray_(ray) {}
-  void met(std::uint32_t, const TreeHit&) override {}
   void enter(std::uint32_t other) override {
     const Other& o = cells_.others_[other];
     o.contents.occluded(o.contents.owner, o.box, context_, ray_);

@@ -15,6 +15,16 @@ using tree::Range;
 // More strands of a tree cost memory and gain little.
 constexpr std::size_t most_strands_of_tree = 16;
 
+// As large as nodes can be made: what is not finite is entered by all rays but those that begin beyond.
+Bounds3f bounded(Bounds3f b) {
+  constexpr float most = 0x1p100f;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(b.lower[axis] > -most)) b.lower[axis] = -most;
+    if (!(b.upper[axis] < most)) b.upper[axis] = most;
+  }
+  return b;
+}
+
 // What is sorted: the strands as they come, with their boxes as items.
 class Strands {
  public:
@@ -23,7 +33,7 @@ class Strands {
       for (const SurfaceTree::Part& part : trees[i].tree->parts(most_strands_of_tree))
         add(part.box, {trees[i].tree->nodes().data(), trees[i].tree->triangles(), trees[i].positions, part.start, i});
     for (std::uint32_t i = 0; i < others.size(); ++i)
-      if (!others[i].empty()) add(others[i], {nullptr, nullptr, nullptr, 0, i});
+      if (!others[i].empty()) add(bounded(others[i]), {nullptr, nullptr, nullptr, 0, i});
   }
 
   std::span<Item> items() { return items_; }

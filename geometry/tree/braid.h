@@ -19,8 +19,9 @@ namespace meristem {
 class BraidVisitor {
  public:
   explicit BraidVisitor(float t) : t_max(t) {}
-  // A tree is met, at hit.t up to t_max: t_max is to become hit.t. It may come again, with another triangle.
-  virtual void met(std::uint32_t tree, const TreeHit& hit) = 0;
+  // A tree is met, at hit.t up to t_max: t_max is to become hit.t. It may come again, with another triangle. Not where
+  // anything will do.
+  virtual void met(std::uint32_t tree, const TreeHit& hit) { (void)tree, (void)hit; }
   // A box of `others` is entered: t_max becomes the t of what is met in it, or less than 0 if anything will do.
   virtual void enter(std::uint32_t other) = 0;
 

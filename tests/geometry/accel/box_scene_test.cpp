@@ -110,7 +110,7 @@ class Scene {
   std::optional<BoxScene> scene_;
 };
 
-constexpr std::size_t counts[] = {1, 2, 5, FewBoxes::most, FewBoxes::most + 1, 200};
+constexpr std::size_t counts[] = {1, 2, 5, FewBoxes::most, FewBoxes::most + 1, 200, 1100};
 
 TEST(BoxScene, KnowsItsBoxesIfTheyAreFew) {
   const BoxContents nothing{nullptr, nullptr, nullptr};
@@ -143,7 +143,7 @@ TEST(BoxScene, ARayVisitsEachBoxThatItEntersOnce) {
       }
     }
     EXPECT_GT(entered, 0u);
-    EXPECT_LE(double(visited), 1.01 * double(entered)) << count;
+    EXPECT_LE(double(visited), 1.03 * double(entered)) << count;  // in trees boxes are kept in bytes
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -151,6 +152,15 @@ TEST_F(Braids, EnterOtherBoxesInTheOrderOfTheRayAndNoneBehindAHit) {
       if (boxes[i].lower.x == x) before.push_back(i);
   visitor.entered.resize(std::min(visitor.entered.size(), before.size()));  // the one at the wall comes before or after
   EXPECT_EQ(visitor.entered, before);
+}
+
+TEST_F(Braids, EnterWhatHasNoEnd) {
+  std::vector<Bounds3f> boxes(12, {{1, 1, 1}, {2, 2, 2}});
+  boxes.push_back({{-INFINITY, -1, -1}, {INFINITY, 1, 1}});
+  const Braid braid({}, boxes);
+  Nearest visitor(INFINITY);
+  braid.intersect(TreeRay({-3, 0, 0}, {1, 0, 0}), 0, visitor);
+  EXPECT_TRUE(std::ranges::count(visitor.entered, 12u) == 1);
 }
 
 TEST_F(Braids, StopWhereAVisitIsEnough) {
