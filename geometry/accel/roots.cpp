@@ -66,11 +66,10 @@ std::unique_ptr<Instances> Roots::place(const std::vector<Placement>& placements
   bounds.reserve(placements.size());
   for (const Placement& placed : placements) {
     auto [p, seen_as] = shown_placement(placed, footprint);
-    roots.clear();
-    for (const auto& part : p.moments ? *p.moments : PartMoments{p.part}) {
-      p.part = part;
-      if (!roots.empty()) seen_as = placed_footprint(footprint, p);
-      roots.push_back(&root_of(p, seen_as, individual, roots.size(), owner));
+    roots.assign(1, &root_of(p, std::move(seen_as), individual, 0, owner));
+    for (std::size_t moment = 1; p.moments && moment < p.moments->size(); ++moment) {
+      p.part = (*p.moments)[moment];
+      roots.push_back(&root_of(p, placed_footprint(footprint, p), individual, moment, owner));
     }
     instances.emplace_back(roots, p);
     bounds.push_back(instance_bounds(roots, p));

@@ -34,9 +34,22 @@ class MovingFootprint final : public Footprint {
   std::vector<ObjectFootprint> at_times_;
 };
 
-std::shared_ptr<const Footprint> exact_footprint(const std::shared_ptr<const Footprint>& parent, const Placement& p) {
-  if (p.motion) return std::make_shared<MovingFootprint>(parent, *p.motion);
-  return std::make_shared<ObjectFootprint>(parent, p.to_parent);
+// As seen from the space of a placed part, `exact`; `keep` makes one that lasts.
+template <class Exact, class Keep>
+std::shared_ptr<const Footprint> footprint_of(const Exact& exact, const Placement& placement, const Keep& keep) {
+  const Bounds3f& bounds = placed_bounds(placement);
+  if (bounds.empty() || (exact.fades() && !placement.is_one_of_many)) return keep();
+  double least = exact.at(Vec3d(bounds.center())), most = least;
+  for (int i = 0; i < 8; ++i) {
+    const double at_corner = exact.at({i & 1 ? bounds.upper.x : bounds.lower.x, i & 2 ? bounds.upper.y : bounds.lower.y,
+                                       i & 4 ? bounds.upper.z : bounds.lower.z});
+    least = std::min(least, at_corner);
+    most = std::max(most, at_corner);
+    if (most > most_variation * least) return keep();
+  }
+  if (!placement.is_shared) return std::make_shared<ConstantFootprint>(least, exact.fades());
+  return std::make_shared<ConstantFootprint>(
+      std::exp2(std::floor(std::log2(least) * footprint_steps_per_octave) / footprint_steps_per_octave), exact.fades());
 }
 
 }  // namespace
@@ -46,22 +59,12 @@ const Bounds3f& placed_bounds(const Placement& p) { return p.known_bounds.empty(
 std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Footprint>& parent,
                                                   const Placement& placement) {
   if (!parent || placement.in_full) return nullptr;
-  auto exact = exact_footprint(parent, placement);
-  const Bounds3f& bounds = placed_bounds(placement);
-  if (bounds.empty() || (exact->fades() && !placement.is_one_of_many)) return exact;
-  double least = exact->at(Vec3d(bounds.center())), most = least;
-  for (int i = 0; i < 8; ++i) {
-    const double at_corner =
-        exact->at({i & 1 ? bounds.upper.x : bounds.lower.x, i & 2 ? bounds.upper.y : bounds.lower.y,
-                   i & 4 ? bounds.upper.z : bounds.lower.z});
-    least = std::min(least, at_corner);
-    most = std::max(most, at_corner);
+  if (placement.motion) {
+    const auto exact = std::make_shared<MovingFootprint>(parent, *placement.motion);
+    return footprint_of(*exact, placement, [&] { return exact; });
   }
-  if (most > most_variation * least) return exact;
-  if (!placement.is_shared) return std::make_shared<ConstantFootprint>(least, exact->fades());
-  return std::make_shared<ConstantFootprint>(
-      std::exp2(std::floor(std::log2(least) * footprint_steps_per_octave) / footprint_steps_per_octave),
-      exact->fades());
+  const ObjectFootprint exact(parent, placement.to_parent);
+  return footprint_of(exact, placement, [&] { return std::make_shared<ObjectFootprint>(exact); });
 }
 
 ShownPlacement shown_placement(const Placement& placement, const std::shared_ptr<const Footprint>& footprint) {
