@@ -1,5 +1,7 @@
 #include "geometry/accel/box_scene.h"
 
+#include "geometry/accel/box_visitors.h"
+
 namespace meristem {
 
 namespace {
@@ -15,36 +17,6 @@ void sort(FewBoxes::List& entered, std::size_t count) {
 }
 
 }  // namespace
-
-class BoxScene::Nearest final : public BraidVisitor {
- public:
-  Nearest(const BoxContents& contents, RayContext& context, RTCRayHit& ray)
-      : BraidVisitor(ray.ray.tfar), contents_(contents), context_(context), ray_(ray) {}
-  void enter(std::uint32_t box) override {
-    contents_.intersect(contents_.owner, box, context_, ray_);
-    t_max = ray_.ray.tfar;
-  }
-
- private:
-  const BoxContents& contents_;
-  RayContext& context_;
-  RTCRayHit& ray_;
-};
-
-class BoxScene::Any final : public BraidVisitor {
- public:
-  Any(const BoxContents& contents, RayContext& context, RTCRay& ray)
-      : BraidVisitor(ray.tfar), contents_(contents), context_(context), ray_(ray) {}
-  void enter(std::uint32_t box) override {
-    contents_.occluded(contents_.owner, box, context_, ray_);
-    t_max = ray_.tfar;
-  }
-
- private:
-  const BoxContents& contents_;
-  RayContext& context_;
-  RTCRay& ray_;
-};
 
 // Embree's callbacks. Contents do not throw, so nothing crosses the C boundary.
 void BoxScene::box_bounds(const RTCBoundsFunctionArguments* args) {
@@ -97,7 +69,7 @@ std::vector<Bounds3f> BoxScene::few_boxes() const { return few_ ? few_->boxes() 
 
 void BoxScene::intersect(RayContext& context, RTCRayHit& ray) const {
   if (tree_) {
-    Nearest visitor(contents_, context, ray);
+    NearestInBoxes visitor(contents_, context, ray);
     return tree_->intersect(*context.tree_ray, ray.ray.tnear, visitor);
   }
   if (scene_) return rtcIntersect1(scene_.get(), &context.embree, &ray);
@@ -110,7 +82,7 @@ void BoxScene::intersect(RayContext& context, RTCRayHit& ray) const {
 
 void BoxScene::occluded(RayContext& context, RTCRay& ray) const {
   if (tree_) {
-    Any visitor(contents_, context, ray);
+    AnyInBoxes visitor(contents_, context, ray);
     tree_->occluded(*context.tree_ray, ray.tnear, visitor);
     return;
   }

@@ -35,8 +35,6 @@ class BoxScene {
   std::vector<Bounds3f> few_boxes() const;  // none if they are many
 
  private:
-  class Nearest;
-  class Any;
   static constexpr std::size_t most_in_tree = 1024;
   static void box_bounds(const RTCBoundsFunctionArguments* args);
   static void intersect_box(const RTCIntersectFunctionNArguments* args);

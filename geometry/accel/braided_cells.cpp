@@ -1,43 +1,32 @@
 #include "geometry/accel/braided_cells.h"
 
+#include "geometry/accel/box_visitors.h"
+
 namespace meristem {
 
-class BraidedCells::Nearest final : public BraidVisitor {
+class BraidedCells::Nearest final : public NearestInBoxes {
  public:
-  Nearest(const BraidedCells& cells, RayContext& context, RTCRayHit& ray)
-      : BraidVisitor(ray.ray.tfar), cells_(cells), context_(context), ray_(ray) {}
+  Nearest(const BraidedCells& cells, const BoxContents& contents, RayContext& context, RTCRayHit& ray)
+      : NearestInBoxes(contents, context, ray), cells_(cells) {}
   void met(std::uint32_t tree, const TreeHit& hit) override {
     const Surface& surface = cells_.surfaces_[tree];
     take_hit(*surface.patch, surface.key, hit, context_, ray_.ray);
     t_max = ray_.ray.tfar;
   }
-  void enter(std::uint32_t other) override {
-    const Other& o = cells_.others_[other];
-    o.contents.intersect(o.contents.owner, o.box, context_, ray_);
-    t_max = ray_.ray.tfar;
-  }
 
  private:
   const BraidedCells& cells_;
-  RayContext& context_;
-  RTCRayHit& ray_;
 };
 
-class BraidedCells::Any final : public BraidVisitor {
- public:
-  Any(const BraidedCells& cells, RayContext& context, RTCRay& ray)
-      : BraidVisitor(ray.tfar), cells_(cells), context_(context), ray_(ray) {}
-  void enter(std::uint32_t other) override {
-    const Other& o = cells_.others_[other];
-    o.contents.occluded(o.contents.owner, o.box, context_, ray_);
-    t_max = ray_.tfar;
-  }
+void BraidedCells::intersect_other(void* self, std::uint32_t index, RayContext& context, RTCRayHit& ray) {
+  const Other& other = static_cast<const BraidedCells*>(self)->others_[index];
+  other.contents.intersect(other.contents.owner, other.box, context, ray);
+}
 
- private:
-  const BraidedCells& cells_;
-  RayContext& context_;
-  RTCRay& ray_;
-};
+void BraidedCells::occlude_other(void* self, std::uint32_t index, RayContext& context, RTCRay& ray) {
+  const Other& other = static_cast<const BraidedCells*>(self)->others_[index];
+  other.contents.occluded(other.contents.owner, other.box, context, ray);
+}
 
 Braid BraidedCells::braid(const std::vector<Surface>& surfaces, const std::vector<Other>& others) {
   std::vector<Braid::Tree> trees;
@@ -48,15 +37,18 @@ Braid BraidedCells::braid(const std::vector<Surface>& surfaces, const std::vecto
 }
 
 BraidedCells::BraidedCells(std::vector<Surface> surfaces, std::vector<Other> others)
-    : surfaces_(std::move(surfaces)), others_(std::move(others)), braid_(braid(surfaces_, others_)) {}
+    : surfaces_(std::move(surfaces)),
+      others_(std::move(others)),
+      contents_{this, intersect_other, occlude_other},
+      braid_(braid(surfaces_, others_)) {}
 
 void BraidedCells::intersect(RayContext& context, RTCRayHit& ray) const {
-  Nearest visitor(*this, context, ray);
+  Nearest visitor(*this, contents_, context, ray);
   braid_.intersect(*context.tree_ray, ray.ray.tnear, visitor);
 }
 
 void BraidedCells::occluded(RayContext& context, RTCRay& ray) const {
-  Any visitor(*this, context, ray);
+  AnyInBoxes visitor(contents_, context, ray);
   if (braid_.occluded(*context.tree_ray, ray.tnear, visitor)) ray.tfar = -std::numeric_limits<float>::infinity();
 }
 

@@ -25,6 +25,8 @@ class BraidedCells {
   };
   // Surfaces and contents must outlive it.
   BraidedCells(std::vector<Surface> surfaces, std::vector<Other> others);
+  BraidedCells(const BraidedCells&) = delete;  // its contents name it
+  BraidedCells& operator=(const BraidedCells&) = delete;
 
   // As those of ModelRoot; not for rays that search or count what they meet.
   void intersect(RayContext& context, RTCRayHit& ray) const;
@@ -34,11 +36,13 @@ class BraidedCells {
 
  private:
   class Nearest;
-  class Any;
+  static void intersect_other(void* self, std::uint32_t index, RayContext& context, RTCRayHit& ray);
+  static void occlude_other(void* self, std::uint32_t index, RayContext& context, RTCRay& ray);
   static Braid braid(const std::vector<Surface>& surfaces, const std::vector<Other>& others);
 
   std::vector<Surface> surfaces_;
   std::vector<Other> others_;
+  const BoxContents contents_;  // of the others, by their numbers
   Braid braid_;
 };
 
