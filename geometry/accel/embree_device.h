@@ -2,6 +2,8 @@
 // same few calls).
 #pragma once
 
+#include "geometry/accel/surface.h"
+
 #include <embree3/rtcore.h>
 
 #include <cstddef>
@@ -18,6 +20,26 @@ using ScenePtr = std::unique_ptr<RTCSceneTy, SceneDeleter>;
 
 // One device a process, made at first use. Never given "threads=": that would throttle all TBB of the process.
 RTCDevice embree_device();
+
+// A ray that has met nothing yet.
+inline RTCRayHit query_of(const Ray& ray) {
+  RTCRayHit query;
+  query.ray = {ray.origin.x,
+               ray.origin.y,
+               ray.origin.z,
+               ray.t_min,
+               ray.direction.x,
+               ray.direction.y,
+               ray.direction.z,
+               ray.time,
+               ray.t_max,
+               ~0u,
+               0,
+               0};
+  query.hit = {};
+  query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  return query;
+}
 
 // Bytes that Embree says it allocated minus freed on this thread since the last call.
 std::ptrdiff_t take_embree_bytes();

@@ -7,8 +7,10 @@
 #include "geometry/mesh/limit.h"
 #include "geometry/mesh/refine_plan.h"
 
+#include <algorithm>
 #include <atomic>
 #include <limits>
+#include <new>
 #include <set>
 
 namespace meristem {
@@ -59,21 +61,8 @@ class SampledRay {
 // A ray on its way, with what it needs there.
 class Tracing {
  public:
-  Tracing(const Ray& ray, ExpansionRecorder* recorder) : tree_(ray.origin, ray.direction), sampled_(recorder, context) {
-    query.ray = {ray.origin.x,
-                 ray.origin.y,
-                 ray.origin.z,
-                 ray.t_min,
-                 ray.direction.x,
-                 ray.direction.y,
-                 ray.direction.z,
-                 ray.time,
-                 ray.t_max,
-                 ~0u,
-                 0,
-                 0};
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  Tracing(const Ray& ray, ExpansionRecorder* recorder)
+      : query(query_of(ray)), tree_(ray.origin, ray.direction), sampled_(recorder, context) {
     rtcInitIntersectContext(&context.embree);
     context.tree_ray = &tree_;
   }
@@ -175,13 +164,11 @@ class World final : public Intersector {
     unsettle();
     if (!has_room_to_keep()) return;
     cache_.keep_resident();
-    std::vector<const ModelRoot*> roots = worlds_->roots();
-    std::set<const ModelRoot*> seen;
-    for (std::size_t i = 0; i < roots.size(); ++i)
-      if (const ModelRoot* const root = roots[i]; seen.insert(root).second) {
-        braid_bytes_ += root->braid(roots);
-        braided_.push_back(root);
-      }
+    try {
+      braid();
+    } catch (const std::bad_alloc&) {  // rays go through the cells, as before
+      unsettle();
+    }
   }
   bool is_crowded() const override { return cache_.is_crowded(); }
 
@@ -203,7 +190,7 @@ class World final : public Intersector {
     s.resident_bytes_peak = c.resident_bytes_peak;
     s.limbo_bytes_peak = c.limbo_bytes_peak;
     s.plan_bytes = shared_plan_bytes();
-    s.total_bytes_peak = c.total_bytes_peak;
+    s.total_bytes_peak = std::max(c.total_bytes_peak, c.resident_bytes + c.limbo_bytes + bytes_beside_cells());
     s.invalid_rays = invalid_rays_.load();
     s.read_back = scratch_ ? scratch_->read_back() : 0;
     s.scratch_bytes = scratch_ ? scratch_->bytes() : 0;
@@ -247,6 +234,16 @@ class World final : public Intersector {
       return false;
     }
     return !worlds_->empty();
+  }
+
+  void braid() {
+    std::vector<const ModelRoot*> roots = worlds_->roots();
+    std::set<const ModelRoot*> seen;
+    for (std::size_t i = 0; i < roots.size(); ++i)
+      if (const ModelRoot* const root = roots[i]; seen.insert(root).second) {
+        braided_.push_back(root);
+        braid_bytes_ += root->braid(roots);
+      }
   }
 
   // What is kept must leave a part of the budget to what will be expanded, and braids cost a few hundredths.

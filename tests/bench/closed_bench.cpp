@@ -1,6 +1,6 @@
 // How closed a closed model is: a grown branch with two displaced levels, in cells of 64 faces, in full and where
-// levels of detail meet. Random rays from inside and rays aimed at edges and vertices along which cells meet, lazily,
-// and those that escape once more against the same faces in one Embree scene.
+// levels of detail meet. Random rays from inside and rays aimed at edges and vertices along which cells meet, lazily
+// and through braided cells, and those that escape once more against the same faces in one scene.
 //
 //   bench_closed [RAYS OF EACH KIND]
 #include "tests/renderer/loading/branch_scene.h"
@@ -14,12 +14,12 @@ using namespace meristem;
 
 namespace {
 
-void measure(const char* name, const std::shared_ptr<const Footprint>& footprint, int rays) {
+void measure(const char* name, ExpandMode mode, const std::shared_ptr<const Footprint>& footprint, int rays) {
   constexpr int rays_per_walk = 5000;
   const auto model = model_of(branch_text(), 0, {64, 256});
   const Borders borders(*model, footprint.get());
   const Placement object{std::make_shared<const Part>(model), {}, 0, true};
-  const auto world = make_world({object}, {.footprint = footprint}),
+  const auto world = make_world({object}, {.mode = mode, .footprint = footprint}),
              flat = make_world({object}, {.mode = ExpandMode::Flat, .footprint = footprint});
   EscapeCounts counts;
   const int walks = std::max(1, rays / rays_per_walk);
@@ -36,6 +36,10 @@ void measure(const char* name, const std::shared_ptr<const Footprint>& footprint
 int main(int argc, char** argv) {
   const int rays = argc > 1 ? std::atoi(argv[1]) : 1000000;
   flush_denormals();
-  measure("in full", nullptr, rays);
-  measure("levels of detail from 1 m away", std::make_shared<PointFootprint>(Vec3d{1, 0.5, 0.5}, 0.02), rays);
+  const auto levels = std::make_shared<PointFootprint>(Vec3d{1, 0.5, 0.5}, 0.02);
+  for (const auto& [cells, mode] : {std::pair{"cells", ExpandMode::Lazy}, {"braided cells", ExpandMode::Eager}}) {
+    std::printf("%s:\n", cells);
+    measure("in full", mode, nullptr, rays);
+    measure("levels of detail from 1 m away", mode, levels, rays);
+  }
 }

@@ -24,20 +24,7 @@ class EmbreeGrids {
   }
 
   bool intersect(const Ray& ray, SurfaceHit& hit) const {
-    RTCRayHit query{};
-    query.ray = {ray.origin.x,
-                 ray.origin.y,
-                 ray.origin.z,
-                 ray.t_min,
-                 ray.direction.x,
-                 ray.direction.y,
-                 ray.direction.z,
-                 0,
-                 ray.t_max,
-                 ~0u,
-                 0,
-                 0};
-    query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCRayHit query = query_of(ray);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene_.get(), &context, &query);

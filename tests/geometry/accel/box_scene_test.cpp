@@ -89,20 +89,7 @@ class Scene {
     rtcInitIntersectContext(&context.embree);
     const TreeRay tree(ray.origin, ray.direction);
     context.tree_ray = &tree;
-    RTCRayHit query{};
-    query.ray = {ray.origin.x,
-                 ray.origin.y,
-                 ray.origin.z,
-                 0,
-                 ray.direction.x,
-                 ray.direction.y,
-                 ray.direction.z,
-                 0,
-                 INFINITY,
-                 ~0u,
-                 0,
-                 0};
-    query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCRayHit query = query_of(Ray{ray.origin, ray.direction});
     trace(context, query);
   }
 

@@ -112,6 +112,7 @@ TEST(World, RaysMeetTheSameWhereItHasSettled) {
   for (int first : {0, 64, 512}) {  // more is expanded between, and beside what has settled
     EXPECT_EQ(hits_of(*settling, first, 1024), hits_of(*plain, first, 1024));
     settling->settle();
+    EXPECT_GT(settling->statistics().total_bytes_peak, plain->statistics().total_bytes_peak) << "braids count";
   }
   settling->unsettle();
   EXPECT_EQ(hits_of(*settling, 0, 512), hits_of(*plain, 0, 512));

@@ -80,6 +80,27 @@ Rendered render(int samples, float noise) {
   return r;
 }
 
+// What the samples of one pixel have brought.
+class PixelSamples {
+ public:
+  void add(Spectrum light) {
+    half_[count_++ & 1] += light;
+    sum_ += double(luminance(light)), squares_ += double(luminance(light)) * double(luminance(light));
+  }
+  // Makes it the pixel with that number.
+  void put(denoise::Input& input, std::size_t pixel) const {
+    for (int c = 0; c < 3; ++c)
+      for (std::size_t h = 0; h < 2; ++h)
+        input.halves[h].pixels[3 * pixel + std::size_t(c)] = half_[h][c] * (2.0f / float(count_));
+    input.variance.pixels[pixel] = float((squares_ - sum_ * sum_ / count_) / (count_ - 1) / count_);
+  }
+
+ private:
+  Spectrum half_[2];
+  double sum_ = 0, squares_ = 0;
+  int count_ = 0;
+};
+
 double mean_square_error(const Image& image, const Image& truth) {
   double sum = 0;
   for (std::size_t i = 0; i < truth.pixels.size(); ++i) {
@@ -113,19 +134,13 @@ TEST(Denoise, RareLightOverEvenSurfacesLeavesNoSpecks) {
   Rendered r = render(samples, 3);
   for (std::size_t i = 0; i < std::size_t(width * height); ++i) {
     const auto random = [&](std::size_t what) { return uniform_float(hash_keys(3, Key(i), Key(what))); };
-    double sum = 0, squares = 0;
-    float half[2] = {};
-    for (std::size_t n = 0; n < samples; ++n) {
-      const float light = random(n) < 1 / 100.0f ? 100.0f : 0.05f;
-      half[n & 1] += light * 2 / samples;
-      sum += double(light), squares += double(light) * double(light);
-    }
+    PixelSamples pixel;
+    for (std::size_t n = 0; n < samples; ++n) pixel.add(Spectrum(random(n) < 1 / 100.0f ? 100.0f : 0.05f));
+    pixel.put(r.input, i);
     for (std::size_t c = 0; c < 3; ++c) {
-      for (std::size_t h = 0; h < 2; ++h) r.input.halves[h].pixels[3 * i + c] = half[h];
       r.input.albedo.pixels[3 * i + c] = 0.2f + 0.1f * random(20 + c);
       r.input.normal.pixels[3 * i + c] = 0.5f + 0.01f * random(30 + c);
     }
-    r.input.variance.pixels[i] = float((squares - sum * sum / samples) / (samples - 1) / samples);
   }
   const Image image = denoise::denoised(r.input);
   double mean = 0;
@@ -142,21 +157,14 @@ TEST(Denoise, RareLightOfAnotherColourLeavesNoColouredSpecks) {
   Rendered r = render(samples, 3);
   for (std::size_t i = 0; i < std::size_t(width * height); ++i) {
     const auto random = [&](std::size_t what) { return uniform_float(hash_keys(3, Key(i), Key(what))); };
-    double sum = 0, squares = 0;
-    Spectrum half[2];
-    for (std::size_t n = 0; n < samples; ++n) {
-      const bool rare = random(n) < 1 / 100.0f;
-      const Spectrum light = rare ? Spectrum{200, 100, 200} : Spectrum{0.05f, 0.1f, 0.03f} * random(n + samples);
-      half[n & 1] += light * (2.0f / samples);
-      sum += double(luminance(light)), squares += double(luminance(light)) * double(luminance(light));
+    PixelSamples pixel;
+    for (std::size_t n = 0; n < samples; ++n)
+      pixel.add(random(n) < 1 / 100.0f ? Spectrum{200, 100, 200} : Spectrum{0.05f, 0.1f, 0.03f} * random(n + samples));
+    pixel.put(r.input, i);
+    for (std::size_t c = 0; c < 3; ++c) {
+      r.input.albedo.pixels[3 * i + c] = 0.2f + 0.3f * random(20 + c);
+      r.input.normal.pixels[3 * i + c] = 0.5f + 0.3f * random(30 + c);
     }
-    for (int c = 0; c < 3; ++c) {
-      const std::size_t at = 3 * i + std::size_t(c);
-      for (std::size_t h = 0; h < 2; ++h) r.input.halves[h].pixels[at] = half[h][c];
-      r.input.albedo.pixels[at] = 0.2f + 0.3f * random(20 + std::size_t(c));
-      r.input.normal.pixels[at] = 0.5f + 0.3f * random(30 + std::size_t(c));
-    }
-    r.input.variance.pixels[i] = float((squares - sum * sum / samples) / (samples - 1) / samples);
   }
   const Image image = denoise::denoised(r.input);
   int coloured = 0;
@@ -175,19 +183,14 @@ Rendered even_noise(Glint glint) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = std::size_t(y * width + x);
-      double sum = 0, squares = 0;
-      float half[2] = {};
-      for (std::size_t n = 0; n < samples; ++n) {
-        const float light = glint(x, y, n) ? 300.0f : 2 * uniform_float(hash_keys(5, Key(i), Key(n)));
-        half[n & 1] += light * 2 / samples;
-        sum += double(light), squares += double(light) * double(light);
-      }
+      PixelSamples pixel;
+      for (std::size_t n = 0; n < samples; ++n)
+        pixel.add(Spectrum(glint(x, y, n) ? 300.0f : 2 * uniform_float(hash_keys(5, Key(i), Key(n)))));
+      pixel.put(r.input, i);
       for (std::size_t c = 0; c < 3; ++c) {
-        for (std::size_t h = 0; h < 2; ++h) r.input.halves[h].pixels[3 * i + c] = half[h];
         r.input.albedo.pixels[3 * i + c] = 0.5f;
         r.input.normal.pixels[3 * i + c] = c == 1 ? 1.0f : 0.0f;
       }
-      r.input.variance.pixels[i] = float((squares - sum * sum / samples) / (samples - 1) / samples);
     }
   return r;
 }

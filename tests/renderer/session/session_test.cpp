@@ -265,6 +265,32 @@ TEST(RenderSession, SnapshotsSeeTheFilmAtRestAndChangeNothing) {
   expect_same_bits(observed.film(), whole.film(), scene->names);
 }
 
+// What has settled is in the way soon after: the pass stops, lets go, and goes on.
+TEST(RenderSession, ACrowdedWorldSettlesAnewAndNothingIsLost) {
+  class CrowdedWorld final : public EmptyWorld {
+   public:
+    explicit CrowdedWorld(int& settled) : settled_(settled) {}
+    void settle() override { ++settled_; }
+    bool is_crowded() const override { return settled_ == 1; }
+
+   private:
+    int& settled_;
+  };
+  const auto slow = [](const Ray& ray, Sampler& sampler, RayCounts& counts) {
+    std::this_thread::sleep_for(std::chrono::microseconds(400));
+    return noisy_light(ray, sampler, counts);
+  };
+  const auto scene = fake_scene(40, 30, 1, slow), plain = fake_scene(40, 30, 1, noisy_light);
+  int settled = 0;
+  scene->intersector = std::make_unique<CrowdedWorld>(settled);
+  RenderSession session(*scene, {.threads = 2}), whole(*plain, {.threads = 2});
+  EXPECT_EQ(session.render().end, RenderEnd::Complete);
+  whole.render();
+  EXPECT_EQ(settled, 2) << "in a single pass";
+  EXPECT_EQ(session.film().total_samples(), 40u * 30);
+  EXPECT_EQ(session.film().develop().pixels, whole.film().develop().pixels);
+}
+
 TEST(RenderSession, TheTimeLimitEndsIt) {
   const auto scene = fake_scene(20, 20, 1 << 20, [](const Ray&, Sampler&, RayCounts&) { return Spectrum(1); });
   RenderSession session(*scene, {.threads = 2, .time_limit_s = 0.2});
