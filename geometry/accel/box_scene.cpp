@@ -67,6 +67,14 @@ BoxScene::BoxScene(std::span<const Bounds3f> boxes, const BoxContents& contents)
 
 std::vector<Bounds3f> BoxScene::few_boxes() const { return few_ ? few_->boxes() : std::vector<Bounds3f>(); }
 
+std::optional<std::size_t> BoxScene::entered_of_few(const TreeRay& ray, float t_min, float t_max,
+                                                    FewBoxes::List& list) const {
+  if (!few_) return {};
+  const std::size_t count = few_->meet(ray, t_min, t_max, list);
+  sort(list, count);
+  return count;
+}
+
 void BoxScene::intersect(RayContext& context, RTCRayHit& ray) const {
   if (tree_) {
     NearestInBoxes visitor(contents_, context, ray);
@@ -74,8 +82,7 @@ void BoxScene::intersect(RayContext& context, RTCRayHit& ray) const {
   }
   if (scene_) return rtcIntersect1(scene_.get(), &context.embree, &ray);
   FewBoxes::List entered;
-  const std::size_t count = few_->meet(*context.tree_ray, ray.ray.tnear, ray.ray.tfar, entered);
-  sort(entered, count);
+  const std::size_t count = *entered_of_few(*context.tree_ray, ray.ray.tnear, ray.ray.tfar, entered);
   for (std::size_t i = 0; i < count && entered[i].t <= ray.ray.tfar; ++i)
     contents_.intersect(contents_.owner, entered[i].box, context, ray);
 }

@@ -9,8 +9,7 @@ class BraidedCells::Nearest final : public NearestInBoxes {
   Nearest(const BraidedCells& cells, const BoxContents& contents, RayContext& context, RTCRayHit& ray)
       : NearestInBoxes(contents, context, ray), cells_(cells) {}
   void met(std::uint32_t tree, const TreeHit& hit) override {
-    const Surface& surface = cells_.surfaces_[tree];
-    take_hit(*surface.patch, surface.key, hit, context_, ray_.ray);
+    cells_.met(tree, hit, context_, ray_.ray);
     t_max = ray_.ray.tfar;
   }
 
@@ -18,14 +17,28 @@ class BraidedCells::Nearest final : public NearestInBoxes {
   const BraidedCells& cells_;
 };
 
-void BraidedCells::intersect_other(void* self, std::uint32_t index, RayContext& context, RTCRayHit& ray) {
-  const Other& other = static_cast<const BraidedCells*>(self)->others_[index];
+void BraidedCells::met(std::uint32_t tree, const TreeHit& hit, RayContext& context, RTCRay& ray) const {
+  const Surface& surface = surfaces_[tree];
+  surface.patch->prefetch(hit);
+  take_hit(*surface.patch, surface.key, hit, context, ray);
+}
+
+void BraidedCells::intersect_other(std::uint32_t index, RayContext& context, RTCRayHit& ray) const {
+  const Other& other = others_[index];
   other.contents.intersect(other.contents.owner, other.box, context, ray);
 }
 
-void BraidedCells::occlude_other(void* self, std::uint32_t index, RayContext& context, RTCRay& ray) {
-  const Other& other = static_cast<const BraidedCells*>(self)->others_[index];
+void BraidedCells::occlude_other(std::uint32_t index, RayContext& context, RTCRay& ray) const {
+  const Other& other = others_[index];
   other.contents.occluded(other.contents.owner, other.box, context, ray);
+}
+
+void BraidedCells::intersect_box(void* self, std::uint32_t index, RayContext& context, RTCRayHit& ray) {
+  static_cast<const BraidedCells*>(self)->intersect_other(index, context, ray);
+}
+
+void BraidedCells::occlude_box(void* self, std::uint32_t index, RayContext& context, RTCRay& ray) {
+  static_cast<const BraidedCells*>(self)->occlude_other(index, context, ray);
 }
 
 Braid BraidedCells::braid(const std::vector<Surface>& surfaces, const std::vector<Other>& others) {
@@ -39,7 +52,7 @@ Braid BraidedCells::braid(const std::vector<Surface>& surfaces, const std::vecto
 BraidedCells::BraidedCells(std::vector<Surface> surfaces, std::vector<Other> others)
     : surfaces_(std::move(surfaces)),
       others_(std::move(others)),
-      contents_{this, intersect_other, occlude_other},
+      contents_{this, intersect_box, occlude_box},
       braid_(braid(surfaces_, others_)) {}
 
 void BraidedCells::intersect(RayContext& context, RTCRayHit& ray) const {

@@ -12,7 +12,7 @@
 
 namespace meristem {
 
-class BraidedCells {
+class BraidedCells final : public Passage {
  public:
   struct Surface {
     const SurfacePatch* patch;
@@ -32,12 +32,18 @@ class BraidedCells {
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
 
+  bool empty() const { return !braid_.view().nodes; }
+  StreamRay::Leg leg() const override { return {nullptr, 0, braid_.view(), {}}; }
+  void met(std::uint32_t tree, const TreeHit& hit, RayContext& context, RTCRay& ray) const override;
+  void intersect_other(std::uint32_t other, RayContext& context, RTCRayHit& ray) const override;
+  void occlude_other(std::uint32_t other, RayContext& context, RTCRay& ray) const override;
+
   std::size_t bytes() const;
 
  private:
   class Nearest;
-  static void intersect_other(void* self, std::uint32_t index, RayContext& context, RTCRayHit& ray);
-  static void occlude_other(void* self, std::uint32_t index, RayContext& context, RTCRay& ray);
+  static void intersect_box(void* self, std::uint32_t index, RayContext& context, RTCRayHit& ray);
+  static void occlude_box(void* self, std::uint32_t index, RayContext& context, RTCRay& ray);
   static Braid braid(const std::vector<Surface>& surfaces, const std::vector<Other>& others);
 
   std::vector<Surface> surfaces_;

@@ -23,6 +23,8 @@ class RayRoute {
   void occluded(RayContext& context, RTCRay& ray) const;
   // As ModelRoot::follow(). Where there are two worlds the way begins with the number of one: 0 or 1.
   bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const;
+  // All that there is on the way; null: there are two worlds.
+  const Instances* only() const { return far_ ? nullptr : near_; }
 
  private:
   template <class Trace>

@@ -7,7 +7,7 @@ namespace meristem {
 
 namespace {
 
-class FlatRoot final : public ModelRoot {
+class FlatRoot final : public ModelRoot, public Passage {
  public:
   // The bounds are those a lazy root has, so that whatever depends on the scene's size is the same in every mode.
   FlatRoot(Tessellation tessellation, const Model& model, const Bounds3f& bounds)
@@ -17,6 +17,21 @@ class FlatRoot final : public ModelRoot {
   }
   void occluded(RayContext& context, RTCRay& ray) const override { occlude_with_patch(patch_, context, ray); }
   std::size_t bytes() const override { return sizeof(*this) + patch_.bytes(); }
+
+  const Passage* passage() const override { return patch_.tree().nodes().empty() ? nullptr : this; }
+  StreamRay::Leg leg() const override {
+    const SurfaceTree& tree = patch_.tree();
+    return {nullptr,
+            0,
+            {nullptr, nullptr},
+            {tree.nodes().data(), tree.triangles(), patch_.tessellation().positions.data(), 0, 0}};
+  }
+  void met(std::uint32_t, const TreeHit& hit, RayContext& context, RTCRay& ray) const override {
+    patch_.prefetch(hit);
+    take_hit(patch_, key_, hit, context, ray);
+  }
+  void intersect_other(std::uint32_t, RayContext&, RTCRayHit&) const override {}
+  void occlude_other(std::uint32_t, RayContext&, RTCRay&) const override {}
 
  private:
   SurfacePatch patch_;

@@ -16,28 +16,6 @@ void transform(const Affine3f& m, RTCRay& ray) {
   ray.dir_x = d.x, ray.dir_y = d.y, ray.dir_z = d.z;
 }
 
-// The state of the ray while it is inside an instance.
-class Inside {
- public:
-  Inside(RayContext& context, const Affine3f* from_parent, const Instance::Place& place)
-      : context_(context), frame_{from_parent, context.frame}, previous_path_(context.path) {
-    if (from_parent) context.frame = &frame_;
-    context.path = hash_keys(context.path, place.path);
-    if (place.object >= 0) context.object = place.object;
-  }
-  ~Inside() {
-    context_.frame = frame_.from_parent ? frame_.parent : context_.frame;
-    context_.path = previous_path_;
-  }
-  Inside(const Inside&) = delete;
-  Inside& operator=(const Inside&) = delete;
-
- private:
-  RayContext& context_;
-  const RayContext::Frame frame_;
-  const Key previous_path_;
-};
-
 }  // namespace
 
 Bounds3f instance_bounds(std::span<const ModelRoot* const> roots, const Placement& placement) {
@@ -71,34 +49,41 @@ Affine3f Instance::from_parent_at(float time) const {
   return special_ && special_->motion ? to_float(special_->motion->at(time).inverse()) : from_parent_;
 }
 
-template <class Trace>
-void Instance::with_local_ray(const Place& place, RayContext& context, RTCRayHit& ray, const Trace& trace) const {
-  const ModelRoot& root = root_at(ray.ray.time);
-  if (is_identity()) {
-    const Inside inside(context, nullptr, place);
-    return trace(root, ray);
-  }
-  const Affine3f from_parent = from_parent_at(ray.ray.time);
-  const Inside inside(context, &from_parent, place);
-  RTCRayHit local = ray;
-  transform(from_parent, local.ray);
-  const TreeRay tree(tree_ray(local.ray));
-  const TreeRay* const outer = std::exchange(context.tree_ray, &tree);
-  trace(root, local);
-  context.tree_ray = outer;
-  ray.ray.tfar = local.ray.tfar;
-  ray.hit = local.hit;
+Instance::Visit::Visit(const Instance& instance, const Place& place, RayContext& context, RTCRayHit& outside)
+    : root_(instance.root_at(outside.ray.time)),
+      context_(context),
+      outside_(outside),
+      outer_path_(context.path),
+      outer_tree_(context.tree_ray) {
+  context.path = hash_keys(context.path, place.path);
+  if (place.object >= 0) context.object = place.object;
+  if (instance.is_identity()) return;
+  from_parent_ = instance.from_parent_at(outside.ray.time);
+  frame_ = {&from_parent_, context.frame};
+  context.frame = &frame_;
+  inside_ = outside;
+  transform(from_parent_, inside_.ray);
+  tree_.emplace(tree_ray(inside_.ray));
+  context.tree_ray = &*tree_;
+}
+
+Instance::Visit::~Visit() {
+  context_.path = outer_path_;
+  if (!tree_) return;
+  context_.frame = frame_.parent;
+  context_.tree_ray = outer_tree_;
+  outside_.ray.tfar = inside_.ray.tfar;
+  outside_.hit = inside_.hit;
 }
 
 void Instance::intersect(const Place& place, RayContext& context, RTCRayHit& ray) const {
-  with_local_ray(place, context, ray, [&](const ModelRoot& root, RTCRayHit& local) { root.intersect(context, local); });
+  Visit visit(*this, place, context, ray);
+  visit.root().intersect(context, visit.ray());
 }
 
 bool Instance::follow(CellList::Way way, const Place& place, RayContext& context, RTCRayHit& ray) const {
-  bool arrives = false;
-  with_local_ray(place, context, ray,
-                 [&](const ModelRoot& root, RTCRayHit& local) { arrives = root.follow(way, context, local); });
-  return arrives;
+  Visit visit(*this, place, context, ray);
+  return visit.root().follow(way, context, visit.ray());
 }
 
 void Instance::occluded(RayContext& context, RTCRay& ray) const {
@@ -159,6 +144,13 @@ void Instances::occluded(RayContext& context, RTCRay& ray) const {
   if (instances_.empty()) return;
   const WayStep step(context, 0);
   instances_[0].occluded(context, ray);
+}
+
+std::optional<std::size_t> Instances::entered(const TreeRay& ray, float t_min, float t_max,
+                                              FewBoxes::List& list) const {
+  if (scene_) return scene_->entered_of_few(ray, t_min, t_max, list);
+  list[0] = {t_min, 0};
+  return instances_.size();
 }
 
 bool Instances::follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const {

@@ -26,6 +26,7 @@ class alignas(64) Instance {
     Key path;
     int object;
   };
+  class Visit;
   void intersect(const Place& place, RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
   // As ModelRoot::follow().
@@ -42,9 +43,6 @@ class alignas(64) Instance {
     std::vector<const ModelRoot*> later_roots;  // of the moments after the first
     std::shared_ptr<const Motion> motion;       // null: it stands still
   };
-  template <class Trace>
-  void with_local_ray(const Place& place, RayContext& context, RTCRayHit& ray, const Trace& trace) const;
-
   const ModelRoot& root_at(float time) const;
   bool is_identity() const { return special_ && special_->is_identity; }
   Affine3f from_parent_at(float time) const;
@@ -55,6 +53,29 @@ class alignas(64) Instance {
   std::unique_ptr<const Special> special_;
 };
 static_assert(sizeof(Instance) == 64);
+
+// A ray inside an instance, while one lives; at its end the ray outside is as long as the one inside has become.
+class Instance::Visit {
+ public:
+  Visit(const Instance& instance, const Place& place, RayContext& context, RTCRayHit& outside);
+  ~Visit();
+  Visit(const Visit&) = delete;
+  Visit& operator=(const Visit&) = delete;
+
+  const ModelRoot& root() const { return root_; }
+  RTCRayHit& ray() { return tree_ ? inside_ : outside_; }  // in the instance's frame
+
+ private:
+  const ModelRoot& root_;
+  RayContext& context_;
+  RTCRayHit& outside_;
+  const Key outer_path_;
+  const TreeRay* const outer_tree_;
+  Affine3f from_parent_;  // all of these unless it is the identity
+  RayContext::Frame frame_{};
+  RTCRayHit inside_;
+  std::optional<TreeRay> tree_;
+};
 
 class Instances {
  public:
@@ -69,6 +90,10 @@ class Instances {
   void occluded(RayContext& context, RTCRay& ray) const;
   // As ModelRoot::follow(); the way begins with the number of an instance.
   bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const;
+  // Those that the ray enters, the nearest first, if there are few in all; nothing: there are many.
+  std::optional<std::size_t> entered(const TreeRay& ray, float t_min, float t_max, FewBoxes::List& list) const;
+  const Instance& instance(std::uint32_t index) const { return instances_[index]; }
+  Instance::Place place_of(std::uint32_t index) const { return {Key(index) + 1, are_objects_ ? int(index) : -1}; }
   const Bounds3f& bounds() const { return bounds_; }
   std::vector<Bounds3f> few_boxes() const;  // of each, if they are few
   bool empty() const { return instances_.empty(); }
@@ -78,7 +103,6 @@ class Instances {
  private:
   static void intersect_one(void* self, std::uint32_t index, RayContext& context, RTCRayHit& ray);
   static void occlude_one(void* self, std::uint32_t index, RayContext& context, RTCRay& ray);
-  Instance::Place place_of(std::uint32_t index) const { return {Key(index) + 1, are_objects_ ? int(index) : -1}; }
 
   std::vector<Instance> instances_;
   std::vector<std::unique_ptr<ModelRoot>> owned_;

@@ -14,6 +14,7 @@ class LazyRoot final : public ModelRoot {
   void intersect(RayContext& context, RTCRayHit& ray) const override;
   void occluded(RayContext& context, RTCRay& ray) const override;
   bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const override;
+  const Passage* passage() const override { return braided_ && !braided_->empty() ? braided_.get() : nullptr; }
   std::size_t braid(std::vector<const ModelRoot*>& below) const override;
   void unbraid() const override { braided_.reset(); }
   std::size_t bytes() const override { return sizeof(*this); }

@@ -7,6 +7,7 @@
 #include "geometry/accel/surface_patch.h"
 #include "geometry/base/transform.h"
 #include "geometry/cells/part.h"
+#include "geometry/tree/ray_stream.h"
 
 #include <optional>
 
@@ -65,9 +66,23 @@ class WayStep {
   RayContext::Search* const search_;
 };
 
+// What rays of a stream can go through together. Immutable.
+class Passage {
+ public:
+  virtual ~Passage() = default;
+  // All of a leg but the ray.
+  virtual StreamRay::Leg leg() const = 0;
+  // What StreamRay is told of, for a ray in the frame of the passage: shortens it as Embree's callbacks do.
+  virtual void met(std::uint32_t tree, const TreeHit& hit, RayContext& context, RTCRay& ray) const = 0;
+  virtual void intersect_other(std::uint32_t other, RayContext& context, RTCRayHit& ray) const = 0;
+  virtual void occlude_other(std::uint32_t other, RayContext& context, RTCRay& ray) const = 0;
+};
+
 class ModelRoot {
  public:
   virtual ~ModelRoot() = default;
+  // Null: there is none at the moment, rays go through one by one.
+  virtual const Passage* passage() const { return nullptr; }
   virtual void intersect(RayContext& context, RTCRayHit& ray) const = 0;
   virtual void occluded(RayContext& context, RTCRay& ray) const = 0;
   // Of a search: traces the cell at the end of a way that begins here. False if one on the way is not resident and may

@@ -83,6 +83,15 @@ SurfaceHit surface_at(const Tessellation& t, const std::array<std::uint32_t, 3>&
   return hit;
 }
 
+void SurfacePatch::prefetch(const TreeHit& hit) const {
+  const SurfaceTree::Triangle triangle = tree_.triangle(hit.triangle);
+  for (const std::uint32_t corner : triangle.corners) __builtin_prefetch(&tessellation_.attributes[corner]);
+  if (triangle.index != SurfaceTree::none)
+    __builtin_prefetch(&tessellation_.triangle_sources[triangle.index]);
+  else if (triangle.grid != SurfaceTree::none)
+    __builtin_prefetch(&tessellation_.grids[triangle.grid]);
+}
+
 SurfaceHit SurfacePatch::surface_at(const TreeHit& hit) const {
   const SurfaceTree::Triangle triangle = tree_.triangle(hit.triangle);
   for (std::uint32_t corner : triangle.corners) __builtin_prefetch(&tessellation_.attributes[corner]);

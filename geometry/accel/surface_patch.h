@@ -39,6 +39,8 @@ class SurfacePatch {
   std::size_t bytes() const { return sizeof(*this) + tessellation_.bytes() + tree_.bytes(); }
 
   SurfaceHit surface_at(const TreeHit& hit) const;
+  // Asks for the memory that surface_at() will need.
+  void prefetch(const TreeHit& hit) const;
 
  private:
   TriangleSource source_of(const SurfaceTree::Triangle& triangle) const;

@@ -3,6 +3,7 @@
 #include "geometry/accel/class_worlds.h"
 #include "geometry/accel/leaf_store.h"
 #include "geometry/accel/search_driver.h"
+#include "geometry/accel/streamed_rays.h"
 #include "geometry/base/parallel.h"
 #include "geometry/mesh/limit.h"
 #include "geometry/mesh/refine_plan.h"
@@ -42,41 +43,6 @@ std::unique_ptr<ScratchFile> make_scratch(const WorldOptions& options) {
   return std::make_unique<ScratchFile>(options.scratch_directory);
 }
 
-// While one lives, the ray counts the cells it meets, if there is a recorder and the ray is in its sample.
-class SampledRay {
- public:
-  SampledRay(ExpansionRecorder* recorder, RayContext& context) : recorder_(recorder) {
-    if (recorder_ && !(context.visits = recorder_->begin_ray())) recorder_ = nullptr;
-  }
-  ~SampledRay() {
-    if (recorder_) recorder_->end_ray();
-  }
-  SampledRay(const SampledRay&) = delete;
-  SampledRay& operator=(const SampledRay&) = delete;
-
- private:
-  ExpansionRecorder* recorder_;
-};
-
-// A ray on its way, with what it needs there.
-class Tracing {
- public:
-  Tracing(const Ray& ray, ExpansionRecorder* recorder)
-      : query(query_of(ray)), tree_(ray.origin, ray.direction), sampled_(recorder, context) {
-    rtcInitIntersectContext(&context.embree);
-    context.tree_ray = &tree_;
-  }
-  Tracing(const Tracing&) = delete;
-  Tracing& operator=(const Tracing&) = delete;
-
-  RTCRayHit query;
-  RayContext context;
-
- private:
-  const TreeRay tree_;
-  const SampledRay sampled_;
-};
-
 // A visit to the cache while one lives, if entries may leave it at all.
 class VisitIfEvicted {
  public:
@@ -110,7 +76,7 @@ class World final : public Intersector {
     const VisitIfEvicted visit(cache_);
     worlds_->route(ray).intersect(context, tracing.query);
     if (context.acquired > 0) cache_.count_acquired(context.acquired);
-    if (context.patch) hit = surface_hit(context, tracing.query);
+    if (context.patch) hit = tracing.surface_hit();
     return context.patch != nullptr;
   }
 
@@ -130,6 +96,16 @@ class World final : public Intersector {
     return query.tfar < 0;
   }
 
+  void trace(std::span<RayQuery> queries) const override {
+    const auto is_sound = [](const RayQuery& q) { return is_valid(*q.ray); };
+    if (queries.size() < 2 || !has_passages_ || !std::ranges::all_of(queries, is_sound))
+      return Intersector::trace(queries);
+    const VisitIfEvicted visit(cache_);
+    StreamedRays rays(*worlds_, recorder_.get(), queries);
+    rays.run();
+    if (rays.acquired() > 0) cache_.count_acquired(rays.acquired());
+  }
+
   RaySearch::End search(const Ray& ray, bool any, RaySearch& search, SurfaceHit& hit) const override {
     if (!can_meet(ray)) return RaySearch::End::Missed;
     Tracing tracing(ray, recorder_.get());
@@ -139,7 +115,7 @@ class World final : public Intersector {
     {
       const GeometryCache::Visit visit(cache_);
       end = driver.go_on(worlds_->route(ray), cache_);
-      if (context.patch && !driver.overflows()) hit = surface_hit(context, tracing.query);
+      if (context.patch && !driver.overflows()) hit = tracing.surface_hit();
     }
     cache_.count_acquired(context.acquired);
     if (driver.overflows()) {
@@ -158,6 +134,7 @@ class World final : public Intersector {
     for (const ModelRoot* root : braided_) root->unbraid();
     braided_.clear();
     braid_bytes_ = 0;
+    has_passages_ = false;
     cache_.release_kept();
   }
   void settle() override {
@@ -170,6 +147,7 @@ class World final : public Intersector {
       unsettle();
     }
   }
+  bool is_settled() const override { return has_passages_; }
   bool is_crowded() const override { return cache_.is_crowded(); }
 
   ThreadExpansions thread_expansions() const override {
@@ -202,34 +180,11 @@ class World final : public Intersector {
   }
 
  private:
-  static SurfaceHit surface_hit(const RayContext& context, const RTCRayHit& query) {
-    SurfaceHit hit = context.patch->surface_at(context.patch_hit);
-    if (context.patch_from_world) place(*context.patch_from_world, hit);
-    hit.t = query.ray.tfar;
-    hit.object = context.patch_object;
-    return hit;
+  static bool is_valid(const Ray& ray) {
+    return is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3f{};
   }
-
-  // A hit in the frame of an instance, in the world.
-  static void place(const Affine3d& from_world, SurfaceHit& hit) {
-    const Affine3d m = from_world.inverse();
-    const Affine3f to_world{Vec3f(m.x), Vec3f(m.y), Vec3f(m.z), Vec3f(m.origin)};
-    const Vec3f p = hit.position, e = hit.position_error;
-    hit.position = to_world.point(p);
-    // The error carried over, and that of the product and of the way into the instance: gamma(4) of the sum of
-    // magnitudes.
-    auto magnitudes = [&](Vec3f v) {
-      return abs(to_world.x) * std::abs(v.x) + abs(to_world.y) * std::abs(v.y) + abs(to_world.z) * std::abs(v.z);
-    };
-    hit.position_error = magnitudes(e) + (magnitudes(p) + abs(to_world.origin)) * (4 * 0x1p-24f);
-    hit.geometric_normal = Vec3f(normalize(from_world.transposed_vector(Vec3d(hit.geometric_normal))));
-    hit.shading_normal = Vec3f(normalize(from_world.transposed_vector(Vec3d(hit.shading_normal))));
-    hit.dpdu = to_world.vector(hit.dpdu);
-    hit.dpdv = to_world.vector(hit.dpdv);
-  }
-
   bool can_meet(const Ray& ray) const {
-    if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vec3f{}) {
+    if (!is_valid(ray)) {
       invalid_rays_.fetch_add(1, std::memory_order_relaxed);
       return false;
     }
@@ -243,6 +198,7 @@ class World final : public Intersector {
       if (const ModelRoot* const root = roots[i]; seen.insert(root).second) {
         braided_.push_back(root);
         braid_bytes_ += root->braid(roots);
+        has_passages_ = has_passages_ || root->passage();
       }
   }
 
@@ -268,6 +224,7 @@ class World final : public Intersector {
   std::unique_ptr<ClassWorlds> worlds_;
   std::vector<const ModelRoot*> braided_;
   std::size_t braid_bytes_ = 0;
+  bool has_passages_ = false;  // of braided_
 };
 
 }  // namespace

@@ -62,7 +62,7 @@ class Braid {
     const SurfaceTree::Node* nodes;  // a child of shape 0 is a node, of shape 1 a strand
     const Strand* strands;
   };
-  View view() const { return {nodes_.data(), strands_.data()}; }
+  View view() const { return {nodes_.empty() ? nullptr : nodes_.data(), strands_.data()}; }  // nothing: no nodes
 
  private:
   std::vector<SurfaceTree::Node> nodes_;

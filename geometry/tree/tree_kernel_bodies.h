@@ -410,7 +410,5 @@ bool occlude_braid(const Braid::View& braid, const TreeRay& ray, float t_min, Br
   return along_axis(ray, t_min, [&](const auto& lanes) { return trace<true>(braid, lanes, visitor); });
 }
 
-constexpr TreeKernels table{intersect, occluded, intersect_braid, occlude_braid};
-
 }  // namespace
 }  // namespace meristem

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "geometry/tree/braid.h"
+#include "geometry/tree/ray_stream.h"
 #include "geometry/tree/surface_tree.h"
 
 namespace meristem {
@@ -17,6 +18,7 @@ struct TreeKernels {
   bool (*occluded)(const TreeView& tree, const TreeRay& ray, float t_min, float t_max);
   void (*intersect_braid)(const Braid::View& braid, const TreeRay& ray, float t_min, BraidVisitor& visitor);
   bool (*occlude_braid)(const Braid::View& braid, const TreeRay& ray, float t_min, BraidVisitor& visitor);
+  void (*run_stream)(RayStream& rays);
 };
 
 const TreeKernels& baseline_tree_kernels();

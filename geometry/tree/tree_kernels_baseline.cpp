@@ -1,8 +1,11 @@
 #define MERISTEM_TREE_AVX2 0
-#include "geometry/tree/tree_kernel_bodies.h"
+#include "geometry/tree/ray_stream_bodies.h"
 
 namespace meristem {
 
-const TreeKernels& baseline_tree_kernels() { return table; }
+const TreeKernels& baseline_tree_kernels() {
+  static constexpr TreeKernels table{intersect, occluded, intersect_braid, occlude_braid, run_stream};
+  return table;
+}
 
 }  // namespace meristem

@@ -3,6 +3,7 @@
 #include "geometry/base/check.h"
 #include "geometry/base/parallel.h"
 #include "renderer/film/noise.h"
+#include "renderer/session/path_batch.h"
 #include "renderer/session/process_clock.h"
 #include "renderer/session/sample_sequence.h"
 #include "renderer/session/tiles.h"
@@ -41,7 +42,8 @@ struct RenderSession::Worker {
   std::uint32_t pass_end;
   std::unique_ptr<Sampler> sampler;
   RayCounts rays;
-  ThreadExpansions watched;  // those before the cells that are watched now
+  ThreadExpansions watched;        // those before the cells that are watched now
+  std::optional<PathBatch> batch;  // none: paths are followed one by one
 };
 
 // What the queued order has of its own; outlives passes and snapshots, and so do paths under way.
@@ -146,8 +148,10 @@ void RenderSession::run_tiles(std::uint32_t end, std::vector<RayCounts>& rays) {
 
 void RenderSession::trace_tiles(std::uint32_t end, std::vector<RayCounts>& rays) {
   next_tile_ = 0;
+  const bool together = scene_.integrator->stepper() && scene_.intersector->is_settled() && !film_.wants_costs();
   run_threads(threads_, [&](int thread) {
-    Worker worker{thread, end, scene_.sampler->clone(), {}, scene_.intersector->thread_expansions()};
+    Worker worker{thread, end, scene_.sampler->clone(), {}, scene_.intersector->thread_expansions(), {}};
+    if (together) worker.batch.emplace(scene_, camera_, film_.wants_first_surface());
     try {
       for (std::size_t i = next_tile_++; i < tiles_.size() && !stopped(); i = next_tile_++)
         render_tile(worker, tiles_[i]);
@@ -173,10 +177,27 @@ void RenderSession::render_tile(Worker& worker, const PixelWindow& tile) {
   for (int y = tile.y0; y < tile.y1; ++y)
     for (int x = tile.x0; x < tile.x1; ++x) {
       if (stopped()) return;
-      if (!is_finished(x, y)) render_pixel(worker, x, y);
+      if (!is_finished(x, y)) worker.batch ? add_pixel(worker, x, y) : render_pixel(worker, x, y);
       if (order_ == RayOrder::Auto && goes_on_to_queues(worker)) thrashes_ = true;
       if (worker.thread == 0) look_around();
     }
+  if (worker.batch) finish_batch(worker);
+}
+
+void RenderSession::add_pixel(Worker& worker, int x, int y) {
+  for (std::uint32_t sample = film_.samples(x, y); sample < worker.pass_end; ++sample) {
+    worker.batch->add({x, y, options_.first_sample + sample});
+    if (worker.batch->is_full()) finish_batch(worker);
+  }
+}
+
+void RenderSession::finish_batch(Worker& worker) {
+  std::uint32_t added = 0;
+  worker.batch->finish(*worker.sampler, worker.rays, [&](const PixelSample& at, const FilmSample& sample) {
+    film_.add(at.x, at.y, sample);
+    ++added;
+  });
+  note_added(added);
 }
 
 void RenderSession::render_pixel(Worker& worker, int x, int y) {

@@ -97,6 +97,8 @@ class RenderSession {
   void note_added(std::uint32_t samples);
   void render_tile(Worker& worker, const PixelWindow& tile);
   void render_pixel(Worker& worker, int x, int y);
+  void add_pixel(Worker& worker, int x, int y);
+  void finish_batch(Worker& worker);
   void take_sample(Worker& worker, const PixelSample& at);
   void measure_sample(Worker& worker, const Ray& ray, FirstSurface* first, FilmSample& sample);
   void choose_finished(std::uint32_t end);

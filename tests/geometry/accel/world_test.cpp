@@ -104,17 +104,38 @@ std::vector<std::uint64_t> hits_of(const Intersector& world, int first, int last
   return hits;
 }
 
+// The same of rays that are traced together, some dozens at once; every third only asks whether it meets anything.
+std::vector<std::uint64_t> hits_together(const Intersector& world, int first, int last) {
+  std::vector<std::uint64_t> hits;
+  for (int begin = first; begin < last; begin += 48) {
+    std::vector<Ray> rays;
+    for (int i = begin; i < std::min(begin + 48, last); ++i) rays.push_back(ray_towards(Key(i)));
+    std::vector<SurfaceHit> of_rays(rays.size());
+    std::vector<RayQuery> queries;
+    for (std::size_t i = 0; i < rays.size(); ++i) queries.push_back({&rays[i], i % 3 == 0 ? nullptr : &of_rays[i]});
+    world.trace(queries);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      if (queries[i].met && !queries[i].hit) world.intersect(rays[i], of_rays[i]);
+      hits.push_back(queries[i].met ? hash_keys(bits_of(of_rays[i]), Key(of_rays[i].object)) : 0);
+    }
+  }
+  return hits;
+}
+
 TEST(World, RaysMeetTheSameWhereItHasSettled) {
   const auto model = bumpy_model(shapes::prism(8), 6, 0.1, small_cells);
   const std::vector<Placement> objects{place(model), place(model, Affine3d::rotation({0, 1, 0}, 0.3)),
                                        place(bumpy_model(shapes::cube(), 2, 0.3, {}))};
   const auto plain = make_world(objects, {}), settling = make_world(objects, {});
   for (int first : {0, 64, 512}) {  // more is expanded between, and beside what has settled
+    EXPECT_EQ(hits_together(*settling, first, 1024), hits_of(*plain, first, 1024));
     EXPECT_EQ(hits_of(*settling, first, 1024), hits_of(*plain, first, 1024));
     settling->settle();
+    EXPECT_TRUE(settling->is_settled());
     EXPECT_GT(settling->statistics().total_bytes_peak, plain->statistics().total_bytes_peak) << "braids count";
   }
   settling->unsettle();
+  EXPECT_FALSE(settling->is_settled());
   EXPECT_EQ(hits_of(*settling, 0, 512), hits_of(*plain, 0, 512));
   // Boxes come in another order, so other rays meet first what spares a cell its expansion
   EXPECT_NEAR(double(settling->statistics().cells_expanded), double(plain->statistics().cells_expanded), 8);
@@ -136,6 +157,7 @@ TEST(World, WhatHasSettledStaysUntilItIsInTheWay) {
   hits_of(*world, 0, 8);
   EXPECT_LE(world->statistics().cells_expanded, expanded + 8);
   EXPECT_FALSE(world->is_crowded());
+  EXPECT_EQ(hits_together(*world, 0, 256), all);  // while some wait others evict what they have met
   EXPECT_EQ(hits_of(*world, 0, 256), all);
   EXPECT_TRUE(world->is_crowded());
   const std::uint64_t crowded = world->statistics().cells_expanded;
@@ -290,6 +312,12 @@ TEST(World, InvalidRaysHitNothingAndAreCounted) {
   EXPECT_FALSE(world->intersect({{0, 0, NAN}, {0, 0, 1}}, hit));
   EXPECT_FALSE(world->occluded({{0, 0, 0}, {0, 0, 0}}));
   EXPECT_EQ(world->statistics().invalid_rays, 2u);
+  world->settle();
+  const Ray good{{0, 0, 5}, {0, 0, -1}}, bad{{0, NAN, 0}, {0, 0, 1}};
+  RayQuery queries[] = {{&good, &hit}, {&bad, nullptr}, {&good, nullptr}};
+  world->trace(queries);
+  EXPECT_TRUE(queries[0].met && !queries[1].met && queries[2].met);
+  EXPECT_EQ(world->statistics().invalid_rays, 3u);
 }
 
 }  // namespace

@@ -3,87 +3,33 @@
 #include "geometry/base/key.h"
 #include "geometry/base/parallel.h"
 #include "geometry/tree/tree_kernels.h"
+#include "tests/geometry/tree/twigs.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 using namespace meristem;
 
 namespace {
 
-float random(Key key, Key i) { return uniform_float(hash_keys(key, i)); }
-Vec3f random_point(Key key, Key i) {
-  return Vec3f{random(key, 3 * i), random(key, 3 * i + 1), random(key, 3 * i + 2)} * 2.f - Vec3f(1);
-}
-
-// Leaves and a wavy grid along a twig that goes anywhere through the cube of side 2: boxes of twigs overlap.
-Tessellation twig(Key key, int leaves) {
-  Tessellation t;
-  const Vec3f from = random_point(key, 1), along = random_point(key, 2) * 0.7f;
-  for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < 17; ++i)
-      t.positions.push_back(from + along * (float(i) / 16) + random_point(key, Key(10 + j * 17 + i)) * 0.02f);
-  t.grids.push_back({0, 17, 3, 0, 0});
-  for (int k = 0; k < leaves; ++k) {
-    const auto first = std::uint32_t(t.positions.size());
-    const Vec3f at = from + along * random(key, Key(100 + k));
-    for (Key c = 0; c < 3; ++c) t.positions.push_back(at + random_point(hash_keys(key, Key(k)), c) * 0.05f);
-    t.triangles.push_back({first, first + 1, first + 2});
-    t.triangle_sources.push_back({0, 0});
-  }
-  t.positions.reserve(t.positions.size() + 1);
-  return t;
-}
-
-struct Met {
-  float t = std::numeric_limits<float>::infinity();
-  std::uint32_t tree = ~0u, triangle = ~0u;
-  bool operator==(const Met&) const = default;
-  bool is_before(const Met& o) const { return std::tie(t, tree, triangle) < std::tie(o.t, o.tree, o.triangle); }
-};
-
-// Keeps the nearest hit, of several the first, and notes the boxes that are entered.
-struct Nearest final : BraidVisitor {
-  using BraidVisitor::BraidVisitor;
-  void met(std::uint32_t tree, const TreeHit& hit) override {
-    ASSERT_LE(hit.t, t_max);
-    const Met next{hit.t, tree, hit.triangle};
-    if (next.is_before(nearest)) nearest = next;
-    t_max = nearest.t;
-  }
-  void enter(std::uint32_t other) override { entered.push_back(other); }
-  Met nearest;
-  std::vector<std::uint32_t> entered;
-};
-
 class Braids : public testing::Test {
  protected:
-  void SetUp() override {
-    flush_denormals();
-    for (Key key = 0; key < 60; ++key) twigs_.push_back(twig(key, key % 7 == 0 ? 0 : int(key) * 3));
-    twigs_.push_back({});  // nothing in it
-    for (Tessellation& t : twigs_) trees_.emplace_back(t);
-  }
-  std::vector<Braid::Tree> list() const {
-    std::vector<Braid::Tree> all;
-    for (std::size_t i = 0; i < trees_.size(); ++i) all.push_back({&trees_[i], twigs_[i].positions.data()});
-    return all;
-  }
+  void SetUp() override { flush_denormals(); }
+  std::vector<Braid::Tree> list() const { return twigs_.list(); }
   Met one_by_one(const TreeRay& ray, float t_min, float t_max) const {
     Met nearest;
-    for (std::uint32_t i = 0; i < trees_.size(); ++i) {
+    for (std::uint32_t i = 0; i < twigs_.size(); ++i) {
       TreeHit hit{t_max};
-      if (!trees_[i].intersect(twigs_[i].positions.data(), ray, t_min, hit)) continue;
-      if (const Met next{hit.t, i, hit.triangle}; next.is_before(nearest)) nearest = next;
+      if (!twigs_.tree(i).intersect(twigs_.positions(i), ray, t_min, hit)) continue;
+      nearest = std::min(nearest, Met{hit.t, i, hit.triangle});
     }
     return nearest;
   }
 
-  std::vector<Tessellation> twigs_;
-  std::vector<SurfaceTree> trees_;
+ private:
+  const Twigs twigs_;
 };
 
 }  // namespace
@@ -92,8 +38,7 @@ TEST_F(Braids, MeetWhatTheirTreesMeet) {
   const Braid braid(list(), {});
   int met = 0;
   for (Key k = 0; k < 20000; ++k) {
-    const Vec3f origin = random_point(7, k) * 1.5f, direction = (random_point(8, k) - origin) * (0.1f + random(9, k));
-    const TreeRay ray(origin, direction);
+    const TreeRay ray = random_ray(k);
     const float t_min = random(10, k) * 0.2f, t_max = k % 3 == 0 ? INFINITY : random(11, k) * 4;
     const Met nearest = one_by_one(ray, t_min, t_max);
     Nearest visitor(t_max), any(t_max);

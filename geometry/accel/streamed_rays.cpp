@@ -1,0 +1,132 @@
+#include "geometry/accel/streamed_rays.h"
+
+namespace meristem {
+
+class StreamedRays::Held {
+ public:
+  Held(const StreamedRays& rays, RayUse& use) : use_(use), outer_(use.cells) {
+    std::size_t count = 0;
+    for (const Traveller& other : rays.travellers_)
+      if (CacheEntry* const nearest = other.nearest()) {
+        used_[count] = {nearest, use.cells};
+        use.cells = &used_[count++];
+      }
+  }
+  ~Held() { use_.cells = outer_; }
+  Held(const Held&) = delete;
+  Held& operator=(const Held&) = delete;
+
+ private:
+  RayUse& use_;
+  const UsedEntry* const outer_;
+  std::array<UsedEntry, most_lanes> used_;
+};
+
+StreamRay* StreamedRays::next(int lane) {
+  Traveller& traveller = travellers_[std::size_t(lane)];
+  traveller.end();
+  if (next_ == queries_.size()) return nullptr;
+  traveller.begin(queries_[next_++], *this);
+  return &traveller;
+}
+
+void StreamedRays::Traveller::begin(RayQuery& query, StreamedRays& rays) {
+  rays_ = &rays;
+  query_ = &query;
+  any = !query.hit;
+  tracing_.emplace(*query.ray, rays.recorder_);
+  RayContext& context = tracing_->context;
+  // What is resident may be in the way, and spare what is not its expansion.
+  context.only_resident = any;
+  route_ = rays.worlds_.route(*query.ray);
+  const RTCRay& ray = tracing_->query.ray;
+  objects_ = context.visits ? nullptr : route_->only();
+  at_ = count_ = 0;
+  if (!objects_) return;
+  const auto few = objects_->entered(*context.tree_ray, ray.tnear, ray.tfar, entered_);
+  if (few)
+    count_ = *few;
+  else
+    objects_ = nullptr;
+}
+
+void StreamedRays::Traveller::go_alone() {
+  RayContext& context = tracing_->context;
+  const Held held(*rays_, context.use);
+  if (any)
+    route_->occluded(context, tracing_->query.ray);
+  else
+    route_->intersect(context, tracing_->query);
+}
+
+void StreamedRays::Traveller::go_alone_into(Instance::Visit& visit) {
+  RayContext& context = tracing_->context;
+  const Held held(*rays_, context.use);
+  if (any)
+    visit.root().occluded(context, visit.ray().ray);
+  else
+    visit.root().intersect(context, visit.ray());
+}
+
+bool StreamedRays::Traveller::next(Leg& leg) {
+  visit_.reset();
+  if (!objects_) {
+    if (at_++ == 0) go_alone();
+    return false;
+  }
+  RayContext& context = tracing_->context;
+  while (!has_ended() && at_ < count_ && entered_[at_].t <= tracing_->query.ray.tfar) {
+    const std::uint32_t index = entered_[at_++].box;
+    visit_.emplace(objects_->instance(index), objects_->place_of(index), context, tracing_->query);
+    if ((passage_ = visit_->root().passage())) {
+      const RTCRay& ray = visit_->ray().ray;
+      leg = passage_->leg();
+      leg.ray = context.tree_ray;
+      leg.t_min = ray.tnear;
+      t_max = ray.tfar;
+      return true;
+    }
+    go_alone_into(*visit_);
+    visit_.reset();
+  }
+  return false;
+}
+
+void StreamedRays::Traveller::met(std::uint32_t tree, const TreeHit& hit) {
+  RTCRay& ray = visit_->ray().ray;
+  if (any)
+    ray.tfar = -std::numeric_limits<float>::infinity();
+  else
+    passage_->met(tree, hit, tracing_->context, ray);
+  t_max = ray.tfar;
+}
+
+void StreamedRays::Traveller::enter(std::uint32_t other) {
+  RayContext& context = tracing_->context;
+  const Held held(*rays_, context.use);
+  if (any)
+    passage_->occlude_other(other, context, visit_->ray().ray);
+  else
+    passage_->intersect_other(other, context, visit_->ray());
+  t_max = visit_->ray().ray.tfar;
+}
+
+// The answer of the ray that had the lane, if there was one.
+void StreamedRays::Traveller::end() {
+  if (!tracing_) return;
+  RayContext& context = tracing_->context;
+  if (any) {
+    if (!has_ended() && context.has_passed_by) {
+      context.only_resident = false;
+      go_alone();
+    }
+    query_->met = has_ended();
+  } else {
+    query_->met = context.patch != nullptr;
+    if (context.patch) *query_->hit = tracing_->surface_hit();
+  }
+  rays_->acquired_ += context.acquired;
+  tracing_.reset();
+}
+
+}  // namespace meristem

@@ -1,0 +1,66 @@
+// StreamedRays: rays of one thread that go through the world together.
+//
+// Their ways lead through braided cells and flat surfaces of the world's objects. What is not resident, or stands in
+// instances within an object, each enters by itself while the others wait.
+#pragma once
+
+#include "geometry/accel/class_worlds.h"
+#include "geometry/accel/intersector.h"
+#include "geometry/accel/tracing.h"
+
+#include <array>
+#include <optional>
+#include <span>
+
+namespace meristem {
+
+class StreamedRays final : public RayStream {
+ public:
+  // Answers the queries in run(), within one visit to the cache. All must outlive it. Rays must be finite and have a
+  // direction.
+  StreamedRays(const ClassWorlds& worlds, ExpansionRecorder* recorder, std::span<RayQuery> queries)
+      : worlds_(worlds), recorder_(recorder), queries_(queries) {}
+
+  StreamRay* next(int lane) override;
+  std::uint64_t acquired() const { return acquired_; }  // cells that were asked for, by all
+
+ private:
+  class Traveller final : public StreamRay {
+   public:
+    void begin(RayQuery& query, StreamedRays& rays);
+    void end();
+
+    bool next(Leg& leg) override;
+    void met(std::uint32_t tree, const TreeHit& hit) override;
+    void enter(std::uint32_t other) override;
+
+    CacheEntry* nearest() const { return tracing_ ? tracing_->context.use.nearest : nullptr; }
+
+   private:
+    bool has_ended() const { return any && tracing_->query.ray.tfar < 0; }
+    void go_alone();
+    void go_alone_into(Instance::Visit& visit);
+
+    StreamedRays* rays_ = nullptr;
+    RayQuery* query_ = nullptr;
+    std::optional<Tracing> tracing_;
+    std::optional<RayRoute> route_;
+    const Instances* objects_ = nullptr;
+    FewBoxes::List entered_;
+    std::size_t count_ = 0, at_ = 0;  // of these
+    std::optional<Instance::Visit> visit_;
+    const Passage* passage_ = nullptr;
+  };
+
+  // What others have met: while one expands cells, these stay.
+  class Held;
+
+  const ClassWorlds& worlds_;
+  ExpansionRecorder* const recorder_;
+  const std::span<RayQuery> queries_;
+  std::size_t next_ = 0;
+  std::uint64_t acquired_ = 0;
+  std::array<Traveller, most_lanes> travellers_;
+};
+
+}  // namespace meristem

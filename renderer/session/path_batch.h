@@ -1,0 +1,59 @@
+// PathBatch: paths that one thread follows together, vertex by vertex, so that their rays are traced together. Each
+// ends with the bits of one that is followed alone.
+#pragma once
+
+#include "renderer/session/camera_paths.h"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace meristem {
+
+class PathBatch {
+ public:
+  static constexpr std::size_t most = 128;  // enough that few lanes of a stream are ever empty
+
+  // The scene's integrator has a stepper. All must outlive it. `wants_first`: as Film asks for first surfaces.
+  PathBatch(const Scene& scene, const CameraPaths& camera, bool wants_first);
+  ~PathBatch();
+
+  bool is_full() const { return samples_.size() == most; }
+  void add(const PixelSample& sample) { samples_.push_back(sample); }  // not if it is full
+  // Follows all to their ends, hands them over by deliver(const PixelSample&, const FilmSample&) in the order in which
+  // they came, and is empty.
+  template <class Deliver>
+  void finish(Sampler& sampler, RayCounts& rays, const Deliver& deliver) {
+    follow(sampler, rays);
+    for (std::size_t i = 0; i < samples_.size(); ++i) deliver(samples_[i], result(i));
+    samples_.clear();
+  }
+
+ private:
+  struct Slot;
+
+  void follow(Sampler& sampler, RayCounts& rays);
+  void begin(std::size_t i, Sampler& sampler, RayCounts& rays);
+  bool ask(std::size_t i);
+  void answer(std::size_t i, const RayQuery*& answers, Sampler& sampler, RayCounts& rays);
+  void meet_light(std::size_t i, bool met, const PathTools& tools);
+  RayQuery query(std::size_t i, int ray, const RayRequest& request);
+  SurfaceHit& hit(std::size_t i, int ray) { return hits_[i * PathStepper::most_rays + std::size_t(ray)]; }
+  FilmSample result(std::size_t i) const;
+  PathTools tools(std::size_t i, Sampler& sampler, RayCounts& rays);
+  void* state(std::size_t i) const { return &states_[i * state_words_]; }
+
+  const Scene& scene_;
+  const PathStepper& stepper_;
+  const CameraPaths& camera_;
+  const std::size_t state_words_;
+  std::vector<PixelSample> samples_;
+  std::unique_ptr<std::max_align_t[]> states_;
+  std::vector<Slot> slots_;
+  std::vector<FirstSurface> first_;  // none: they are not wanted
+  std::vector<std::size_t> alive_;
+  std::vector<SurfaceHit> hits_;  // of each path's rays
+  std::vector<RayQuery> queries_;
+};
+
+}  // namespace meristem
