@@ -20,10 +20,18 @@ constexpr Key scramble(Key x) {
   return x ^ (x >> 31);
 }
 
+// hash_keys(a, b) for one a and many b: what is asked of a alone is done once.
+class KeysFrom {
+ public:
+  constexpr explicit KeysFrom(Key a) : mixed_(scramble(a + 0x9e3779b97f4a7c15ull)) {}
+  constexpr Key operator()(Key b) const { return scramble(mixed_ ^ (b * 0xd1342543de82ef95ull + 1)); }
+
+ private:
+  Key mixed_;
+};
+
 // An ordered hash: hash_keys(a, b) != hash_keys(b, a). More arguments fold from the left.
-constexpr Key hash_keys(Key a, Key b) {
-  return scramble(scramble(a + 0x9e3779b97f4a7c15ull) ^ (b * 0xd1342543de82ef95ull + 1));
-}
+constexpr Key hash_keys(Key a, Key b) { return KeysFrom(a)(b); }
 template <class... Rest>
 constexpr Key hash_keys(Key a, Key b, Rest... rest) {
   return hash_keys(hash_keys(a, b), Key(rest)...);

@@ -1,9 +1,9 @@
-// Lanes: the few vector operations that the kernels of the expression language are written in, over 4 lanes (SSE4.2),
-// 8 lanes (AVX2 and FMA) or 16 lanes (AVX-512). Every operation acts on each lane by itself and is exact or correctly
-// rounded, and products and sums are fused only where fused() says so, so a lane gets the same bits with any width and
-// at any position.
+// Lanes: the few vector operations that kernels are written in, those of the expression language and others, over 4
+// lanes (SSE4.2), 8 lanes (AVX2 and FMA) or 16 lanes (AVX-512). Every operation acts on each lane by itself and is
+// exact or correctly rounded, and products and sums are fused only where fused() says so, so a lane gets the same bits
+// with any width and at any position.
 //
-// Only for the kernels_*.cpp files, which define MERISTEM_LANES first; everything is local to them.
+// Only for files named *kernels_*.cpp, which define MERISTEM_LANES first; everything is local to them.
 #pragma once
 
 #include <cstdint>
@@ -37,11 +37,14 @@ typedef double D __attribute__((vector_size(4 * width)));  // half as many lanes
 typedef std::int64_t L __attribute__((vector_size(4 * width)));
 typedef std::uint64_t UL __attribute__((vector_size(4 * width)));
 typedef F LooseF __attribute__((aligned(4), may_alias));
+typedef D LooseD __attribute__((aligned(8), may_alias));
 
 #define MERISTEM_INLINE [[gnu::always_inline]] inline
 
 MERISTEM_INLINE F load(const float* p) { return *reinterpret_cast<const LooseF*>(p); }
 MERISTEM_INLINE void store(float* p, F v) { *reinterpret_cast<LooseF*>(p) = v; }
+MERISTEM_INLINE D load(const double* p) { return *reinterpret_cast<const LooseD*>(p); }
+MERISTEM_INLINE void store(double* p, D v) { *reinterpret_cast<LooseD*>(p) = v; }
 MERISTEM_INLINE F splat(float v) { return F{} + v; }
 MERISTEM_INLINE I splat(std::int32_t v) { return I{} + v; }
 MERISTEM_INLINE D splat(double v) { return D{} + v; }

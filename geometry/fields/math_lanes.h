@@ -1,7 +1,7 @@
 // Elementary functions over lanes, computed in double by argument reduction and power series and rounded to float once:
 // the error is below 0.51 ulp of the float result wherever the result is not clamped (tests/geometry/fields/values_test
 // measures it). Total: arguments outside of a function's domain are clamped to it (docs/expressions.md).
-// Only for the kernels_*.cpp files.
+// Only for files that define MERISTEM_LANES.
 #pragma once
 
 #include "geometry/fields/lanes.h"

@@ -1,5 +1,7 @@
 #include "procedural/plants/leaf_shape.h"
 
+#include "geometry/mesh/quantum.h"
+
 #include <cmath>
 #include <initializer_list>
 
@@ -40,7 +42,10 @@ class ShapeMaker {
     shape_.area += area_of(0);
   }
 
-  LeafShape take() { return std::move(shape_); }
+  LeafShape take() {
+    for (std::uint32_t v : shape_.corners) shape_.corner_uv.push_back(shape_.uv[v]);
+    return std::move(shape_);
+  }
 
  private:
   static double length(Vec2d v) { return std::hypot(v.x, v.y); }
@@ -55,12 +60,12 @@ class ShapeMaker {
   }
   std::uint32_t add_vertex(Vec2d p, double height) {
     shape_.vertices.push_back({p.x, p.y, height});
-    shape_.uv.push_back({0.5 + p.x, p.y});
+    shape_.uv.push_back({unit_quantum.round(0.5 + p.x), unit_quantum.round(p.y)});
     shape_.reach = std::max(shape_.reach, meristem::length(shape_.vertices.back()));
     return std::uint32_t(shape_.vertices.size()) - 1;
   }
 
-  LeafShape shape_{{}, {}, {0}, {}, 0, 0};
+  LeafShape shape_{{}, {}, {0}, {}, {}, 0, 0};
 };
 
 LeafShape one_blade(const Half& half, double fold) {

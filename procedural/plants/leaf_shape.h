@@ -16,9 +16,10 @@ namespace meristem {
 
 struct LeafShape {
   std::vector<Vec3d> vertices;
-  std::vector<Vec2d> uv;                   // u across, 0.5 on the midrib; v along
+  std::vector<Vec2d> uv;                   // u across, 0.5 on the midrib; v along; on the grid of u, v
   std::vector<std::uint32_t> face_starts;  // into corners; one more than faces
   std::vector<std::uint32_t> corners;      // counter-clockwise seen from above
+  std::vector<Vec2d> corner_uv;            // the u, v of each
   double reach = 0;                        // of a vertex from the foot, for a leaf as wide as long
   double area = 0;                         // likewise, seen from above
 

@@ -69,8 +69,6 @@ constexpr double narrowest_ribbon = 0.5;
 // On stems leaves and twigs are fewer than the most, by the shapes that the paper gives them.
 constexpr double mean_of_most_children = 0.75;
 
-double leaf_size(const WeberPennParameters& p) { return p.leaf_scale / std::sqrt(p.quality); }
-
 double expected_leaves(const WeberPennParameters& p) {
   double count = 1;
   for (int level = 0; level < p.levels; ++level) count *= mean_of_most_children * expected_children(p, level);
@@ -95,7 +93,7 @@ double fewest_children(const WeberPennParameters& p, int level, double card) {
 
 // Cards of several leaves are rounder than one that is long and narrow.
 void merge_leaves(const WeberPennParameters& p, double share, PlantDetail& d) {
-  const double leaf = leaf_size(p), area = leaf * leaf * p.leaf_scale_x / share;
+  const double leaf = leaf_length(p), area = leaf * leaf * p.leaf_scale_x / share;
   const double aspect = std::pow(p.leaf_scale_x, std::sqrt(share));
   d.leaf_length = std::sqrt(area / aspect);
   d.leaf_width = d.leaf_length * aspect;
@@ -110,7 +108,7 @@ double kept_share(const WeberPennParameters& p, int level, double footprint) {
   if (level < p.levels)
     return std::min(1.0, kept_share(p, level + 1, footprint) * mean_of_most_children * expected_children(p, level) /
                              fewest_children(p, level, smallest_card * footprint));
-  const double card = smallest_card * footprint / leaf_size(p);
+  const double card = smallest_card * footprint / leaf_length(p);
   const double table = degradation::leaf_points(degradation::effective_range(footprint), 200);
   const double share = std::min(table, p.leaf_scale_x / (card * card));
   return std::clamp(share, std::min(1.0, fewest_leaves / expected_leaves(p)), 1.0);
@@ -142,12 +140,12 @@ PlantDetail plant_detail(const WeberPennParameters& p, int level, double radius,
 double longest_leaf(const WeberPennParameters& p) {
   PlantDetail d;
   merge_leaves(p, std::min(1.0, fewest_leaves / expected_leaves(p)), d);
-  return std::max(leaf_size(p), d.leaf_length);
+  return std::max(leaf_length(p), d.leaf_length);
 }
 
 double leaf_reach(const WeberPennParameters& p, double length, double width) {
   const LeafShape& shape = leaf_shape(p.leaf_shape);
-  const double leaf = leaf_size(p), whole = leaf * shape.reach * std::max(p.leaf_scale_x, 1.0);
+  const double leaf = leaf_length(p), whole = leaf * shape.reach * std::max(p.leaf_scale_x, 1.0);
   // Cards lie around the middle of the leaf that they grow from
   return std::max({whole, 0.5 * (length + leaf), std::hypot(0.5 * leaf, shape.area * width)});
 }

@@ -63,15 +63,17 @@ inline double declination(Vec3d z) { return std::acos(std::clamp(dot(z, plant_up
 // Random numbers of one thing (a stem, a leaf) by what they are for.
 class Draws {
  public:
-  explicit Draws(Key key) : key_(key) {}
-  double uniform(Key what) const { return uniform_double(hash_keys(key_, what)); }
-  double uniform(Key what, Key index) const { return uniform_double(hash_keys(key_, what, index)); }
+  explicit Draws(Key key) : keys_(key) {}
+  // Many draws of one kind are numbered.
+  Draws of(Key what) const { return Draws(keys_(what)); }
+  double uniform(Key what) const { return uniform_double(keys_(what)); }
+  double uniform(Key what, Key index) const { return of(what).uniform(index); }
   // In +-v.
   double spread(double v, Key what) const { return v == 0 ? 0 : v * (2 * uniform(what) - 1); }
-  double spread(double v, Key what, Key index) const { return v == 0 ? 0 : v * (2 * uniform(what, index) - 1); }
+  double spread(double v, Key what, Key index) const { return v == 0 ? 0 : of(what).spread(v, index); }
 
  private:
-  Key key_;
+  KeysFrom keys_;
 };
 
 }  // namespace meristem

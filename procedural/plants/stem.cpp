@@ -1,5 +1,7 @@
 #include "procedural/plants/stem.h"
 
+#include "procedural/plants/child_kernels.h"
+
 #include <cmath>
 
 namespace meristem {
@@ -38,8 +40,6 @@ double rank_of(double phase, std::uint64_t j) {
   const double x = phase + double(j) * golden;
   return x - std::floor(x);
 }
-
-double leaf_length(const WeberPennParameters& p) { return p.leaf_scale / std::sqrt(p.quality); }
 
 }  // namespace
 
@@ -249,98 +249,112 @@ double Stem::flared_radius_at(double z) const {
   return r * (1 + p_.flare * (std::pow(100, y) - 1) / 100);
 }
 
-Affine3d Stem::frame_at(const StemPiece& piece, double z) const {
-  const double along = std::clamp(z / segment_ - piece.first_segment, 0.0, double(piece.nodes.size() - 1));
-  const std::size_t i = std::min(std::size_t(along), piece.nodes.size() - 2);
-  const double t = along - double(i);
-  Affine3d frame = piece.nodes[i].frame;
-  lead_to(frame, tangent(piece, i, t));
-  frame.origin = position(piece, i, t);
-  return frame;
+// Away from the stem, in degrees.
+double Stem::down_angle(Key child, double place) const {
+  const double down = child_level_.down_angle, v = child_level_.down_angle_v;
+  return down + (v >= 0 ? Draws(child).spread(v, child_down) : v * (1 - 2 * shape_ratio(0, 1 - place)));
 }
 
-// What a child inherits, by its distance z from this stem's root (section 4.3).
-void Stem::describe(StemChild& child, double z) const {
-  StemBud& bud = child.bud;
-  bud.level = bud_.level + 1;
-  bud.scale = bud_.scale;
-  if (bears_leaves()) {
-    bud.length = leaf_length(p_);
-    return;
-  }
-  const double ratio = bud_.level == 0 ? crown_shape_ratio(p_, 1 - child.place) : 1 - 0.6 * z / bud_.length;
-  bud.length = bud_.length * child_length_max_ * ratio;
-  bud.radius = std::min(bud_.radius * std::pow(bud.length / bud_.length, p_.ratio_power), radius_at(z));
-  if (bud.level + 1 >= p_.levels)
-    bud.children = p_.leaves * p_.quality * shape_ratio(4, child.place);
-  else if (bud.level == 1)
-    bud.children = p_.at(2).branches * (0.2 + 0.8 * ratio);
-  else
-    bud.children = p_.at(bud.level + 1).branches * (1 - 0.5 * child.place);
+void Stem::add_child(Key key, double z, double place, double around, double away, ChildRows& out) const {
+  const std::size_t i = out.add(key);
+  const ChildRows::View rows = out.view();
+  rows[ChildRows::along][i] = z;
+  rows[ChildRows::place][i] = place;
+  rows[ChildRows::around][i] = to_radians(around);
+  rows[ChildRows::away][i] = to_radians(away);
 }
 
-StemChild Stem::child_at(const StemPiece& piece, double z, std::uint64_t index, double angle) const {
-  StemChild c;
-  c.place = std::clamp((z - bare_) / (bud_.length - bare_), 0.0, 1.0);
-  c.bud.key = hash_keys(piece.key, child, Key(piece.first_segment), index);
-  double down = child_level_.down_angle;
-  if (child_level_.down_angle_v >= 0)
-    down += Draws(c.bud.key).spread(child_level_.down_angle_v, child_down);
-  else
-    down += child_level_.down_angle_v * (1 - 2 * shape_ratio(0, 1 - c.place));
-  c.bud.frame = frame_at(piece, z);
-  turn_about_z(c.bud.frame, to_radians(angle));
-  turn_about_x(c.bud.frame, to_radians(down));
-  if (!bears_leaves()) c.bud.inset = radius_at(z) / std::max(std::abs(std::sin(to_radians(down))), 0.3);
-  describe(c, z);
-  return c;
-}
-
-void Stem::add_row(const StemPiece& piece, double share, std::vector<StemChild>& out) const {
+void Stem::add_row(const StemPiece& piece, double share, ChildRows& out) const {
   const double first = std::max(piece.first_segment * segment_, bare_);
   const double last = (piece.first_segment + double(piece.nodes.size()) - 1) * segment_;
   const double density = bud_.children * piece.share / (bud_.length - bare_);
-  const Draws draws(hash_keys(piece.key, Key(piece.first_segment)));
+  const Draws draws(hash_keys(piece.key, Key(piece.first_segment))), turns = draws.of(child_turn);
   const double phase = draws.uniform(child_phase), order = draws.uniform(child_order);
   const auto count = std::uint64_t(std::max(std::floor((last - first) * density + phase), 0.0));
+  const KeysFrom keys(hash_keys(piece.key, child, Key(piece.first_segment)));
   double angle = 360 * draws.uniform(child_turn);
   const std::uint64_t side = draws.uniform(child_side) < 0.5;
+  out.make_room(count);
   for (std::uint64_t j = 0; j < count; ++j) {
-    const double turn = child_level_.rotate + draws.spread(child_level_.rotate_v, child_turn, j);
+    const double turn = child_level_.rotate + turns.spread(child_level_.rotate_v, j);
     angle = turn >= 0 && child_level_.rotate >= 0 ? angle + turn : ((j + side) % 2 ? 1 : -1) * (180 + turn);
-    const double rank = rank_of(order, j);
-    if (rank >= share) continue;
-    const double z = std::min(first + (double(j) + 1 - phase) / density, last);
-    out.push_back(child_at(piece, z, j, angle));
-    out.back().rank = rank;
+    if (rank_of(order, j) >= share) continue;
+    const double z = std::min(first + (double(j) + 1 - phase) / density, last), place = place_at(z);
+    add_child(keys(j), z, place, angle, down_angle(keys(j), place), out);
   }
 }
 
 // All at the tip, spread evenly over `rotate` to both sides.
-void Stem::add_fan(const StemPiece& piece, double share, std::vector<StemChild>& out) const {
+void Stem::add_fan(const StemPiece& piece, double share, ChildRows& out) const {
   if (!piece.next.empty()) return;
   const Draws draws(hash_keys(piece.key, Key(piece.first_segment)));
   const auto count = std::uint64_t(-bud_.children * piece.share + draws.uniform(child_phase));
   const double order = draws.uniform(child_order);
-  for (std::uint64_t j = 0; j < count; ++j) {
-    const double rank = rank_of(order, j);
-    if (rank >= share) continue;
-    StemChild c = child_at(piece, bud_.length, j, 0);
-    c.rank = rank;
-    c.bud.frame = frame_at(piece, bud_.length);
-    turn_about_x(c.bud.frame, to_radians(child_level_.rotate * ((double(j) + 0.5) / double(count) - 0.5)));
-    out.push_back(c);
+  const KeysFrom keys(hash_keys(piece.key, child, Key(piece.first_segment)));
+  out.make_room(count);
+  for (std::uint64_t j = 0; j < count; ++j)
+    if (rank_of(order, j) < share)
+      add_child(keys(j), bud_.length, place_at(bud_.length), 0,
+                child_level_.rotate * ((double(j) + 0.5) / double(count) - 0.5), out);
+}
+
+// The children from `first` on, which lie on this piece in order.
+void Stem::put_on_axis(const StemPiece& piece, std::size_t first, ChildRows& out) const {
+  const ChildRows::View rows = out.view();
+  const std::size_t segments = piece.nodes.size() - 1;
+  for (std::size_t begin = first, end = first; begin < out.size(); begin = end) {
+    std::size_t segment = 0;
+    for (; end < out.size(); ++end) {
+      const double along =
+          std::clamp(rows[ChildRows::along][end] / segment_ - piece.first_segment, 0.0, double(segments));
+      const std::size_t i = std::min(std::size_t(along), segments - 1);
+      if (end > begin && i != segment) break;
+      segment = i;
+      rows[ChildRows::part][end] = along - double(i);
+    }
+    best_child_kernels().put_on_axis(piece.nodes[segment], piece.nodes[segment + 1], rows, begin, end);
   }
 }
 
-void Stem::find_children(std::vector<StemChild>& out, double share) const {
+void Stem::find_children(ChildRows& out, double share) const {
   out.clear();
-  for (const StemPiece& piece : pieces_)
+  for (const StemPiece& piece : pieces_) {
+    const std::size_t first = out.size();
     if (bud_.children > 0)
       add_row(piece, share, out);
     else
       add_fan(piece, share, out);
-  if (!bears_leaves()) std::erase_if(out, [&](const StemChild& c) { return c.bud.length < 1e-4 * bud_.length; });
+    put_on_axis(piece, first, out);
+  }
+  best_child_kernels().turn_away(out.view(), out.size());
+}
+
+// What a child inherits (section 4.3).
+StemChild Stem::described(const ChildRows& children, std::size_t i) const {
+  const double z = children.at(ChildRows::along, i), place = children.at(ChildRows::place, i);
+  StemBud bud{bud_.level + 1, children.key(i), children.frame(i), leaf_length(p_), 0, 0, 0, bud_.scale};
+  if (bears_leaves()) return {bud, place};
+  bud.inset = radius_at(z) / std::max(std::abs(std::sin(to_radians(down_angle(bud.key, place)))), 0.3);
+  const double ratio = bud_.level == 0 ? crown_shape_ratio(p_, 1 - place) : 1 - 0.6 * z / bud_.length;
+  bud.length = bud_.length * child_length_max_ * ratio;
+  bud.radius = std::min(bud_.radius * std::pow(bud.length / bud_.length, p_.ratio_power), radius_at(z));
+  if (bud.level + 1 >= p_.levels)
+    bud.children = p_.leaves * p_.quality * shape_ratio(4, place);
+  else if (bud.level == 1)
+    bud.children = p_.at(2).branches * (0.2 + 0.8 * ratio);
+  else
+    bud.children = p_.at(bud.level + 1).branches * (1 - 0.5 * place);
+  return {bud, place};
+}
+
+void Stem::find_children(std::vector<StemChild>& out, double share) const {
+  ChildRows children;
+  find_children(children, share);
+  out.clear();
+  for (std::size_t i = 0; i < children.size(); ++i) {
+    StemChild child = described(children, i);
+    if (bears_leaves() || child.bud.length >= 1e-4 * bud_.length) out.push_back(child);
+  }
 }
 
 StemReach stem_reach(const WeberPennParameters& p, int n, double length, double radius) {

@@ -7,6 +7,7 @@
 // (stem_mesh.h) has room for its fork even where the paper lets clones run inside each other.
 #pragma once
 
+#include "procedural/plants/child_rows.h"
 #include "procedural/plants/plant_frame.h"
 #include "procedural/plants/weber_penn_parameters.h"
 
@@ -47,7 +48,6 @@ struct StemPiece {
 struct StemChild {
   StemBud bud;       // of a leaf: frame, key and length
   double place = 0;  // 0 at the first child a stem may have, 1 at its tip
-  double rank = 0;   // those with a rank below any share are about that share of a stem's children, spread evenly
 };
 
 class Stem {
@@ -68,7 +68,9 @@ class Stem {
   double radius_at(double z) const;
   double flared_radius_at(double z) const;
 
-  // Children of a rank below `share`, in order along each piece; replaces what is in `out`.
+  // About such a share of the children, spread evenly, in order along each piece; replaces what is in `out`.
+  void find_children(ChildRows& out, double share = 1) const;
+  // The same with all that stems need to grow.
   void find_children(std::vector<StemChild>& out, double share = 1) const;
 
  private:
@@ -84,12 +86,14 @@ class Stem {
   void fit_to_envelope();
   bool fits() const;
 
-  Affine3d frame_at(const StemPiece& piece, double z) const;
-  StemChild child_at(const StemPiece& piece, double z, std::uint64_t index, double angle) const;
-  StemChild fan_child(const StemPiece& piece, std::uint64_t index, double share) const;
-  void describe(StemChild& child, double z) const;
-  void add_row(const StemPiece& piece, double share, std::vector<StemChild>& out) const;
-  void add_fan(const StemPiece& piece, double share, std::vector<StemChild>& out) const;
+  double down_angle(Key child, double place) const;
+  // 0 where the first child may be, 1 at the tip.
+  double place_at(double z) const { return std::clamp((z - bare_) / (bud_.length - bare_), 0.0, 1.0); }
+  void add_child(Key key, double z, double place, double around, double away, ChildRows& out) const;
+  void add_row(const StemPiece& piece, double share, ChildRows& out) const;
+  void add_fan(const StemPiece& piece, double share, ChildRows& out) const;
+  void put_on_axis(const StemPiece& piece, std::size_t first, ChildRows& out) const;
+  StemChild described(const ChildRows& children, std::size_t i) const;
 
   const WeberPennParameters& p_;
   StemBud bud_;

@@ -99,6 +99,7 @@ class StemMesher {
       const double z0 = piece.first_segment * z_scale, z1 = z0 + double(piece.nodes.size() - 1) * z_scale;
       const Vec3d side0 = across * half_ribbon(stem_, detail_, stem_.flared_radius_at(z0));
       set_origin(0.5 * (z0 + z1));
+      out_.make_room(4, 1, 4);
       const std::uint32_t a = out_.add_vertex(from.frame.origin - side0, {0, z0});
       const std::uint32_t b = out_.add_vertex(from.frame.origin + side0, {1, z0});
       if (piece.next.empty()) {
@@ -123,13 +124,15 @@ class StemMesher {
   Ring add_ring(const Section& s) {
     Ring ring;
     const double r = radius(s.z);
+    out_.make_room(n_, 0, 0);
     for (std::uint32_t i = 0; i < n_; ++i) ring[i] = out_.add_vertex(rim(s, i, r), {u_[i], s.z});
     return ring;
   }
 
   void connect(const Ring& a, const Ring& b) {
+    out_.make_room(0, n_, 4 * n_);
     for (std::uint32_t i = 0; i < n_; ++i) {
-      const std::uint32_t j = (i + 1) % n_;
+      const std::uint32_t j = i + 1 == n_ ? 0 : i + 1;
       out_.add_face({a[i], a[j], b[j], b[i]});
     }
   }
@@ -143,6 +146,7 @@ class StemMesher {
 
   void close_root(const Ring& ring) {
     std::array<std::uint32_t, most_sides> face;
+    out_.make_room(0, 1, n_);
     for (std::uint32_t i = 0; i < n_; ++i) face[i] = ring[n_ - 1 - i];
     out_.add_face(std::span<const std::uint32_t>(face.data(), n_));
   }
@@ -152,8 +156,10 @@ class StemMesher {
     if (stem_.radius_at(tip.z) > 0.05 * stem_.bud().radius && stem_.level().taper < 1) {
       const Ring end = add_ring(tip);
       connect(ring, end);
+      out_.make_room(0, 1, n_);
       return out_.add_face(std::span<const std::uint32_t>(end.data(), n_));
     }
+    out_.make_room(1, n_, 3 * n_);
     // Smoothing draws the tip back by about a fifth of the last ring's distance
     const double longer = detail_.is_smoothed ? 0.2 * (tip.z - last.z) : 0;
     const std::uint32_t apex = out_.add_vertex(tip.center + tip.tangent * longer, {0.5, tip.z});
@@ -293,6 +299,7 @@ class StemMesher {
     Ring ring_a = outline, ring_b = outline;
     const Vec3d begin = edge_of_saddle(sa, sb, middle, start), end = edge_of_saddle(sa, sb, middle, start + n_ / 2);
     const double rise = 0.35 * radius(middle.z);
+    out_.make_room(n_ / 2, 0, 0);
     for (std::uint32_t i = 1; i < n_ / 2; ++i) {
       const std::uint32_t label_a = (start + n_ - i) % n_, label_b = (start + i) % n_;
       const double s = 2.0 * i / n_;
@@ -322,6 +329,7 @@ class StemMesher {
   Ring add_outline(const Section& a, double radius_a, const Section& b, double radius_b, const Section& middle,
                    std::uint32_t start) {
     Ring ring;
+    out_.make_room(n_, 0, 0);
     for (std::uint32_t k = 0; k < n_; ++k) {
       const std::uint32_t label = (start + k) % n_;
       const bool is_edge = k == 0 || k == n_ / 2;

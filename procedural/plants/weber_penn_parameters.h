@@ -9,6 +9,7 @@
 #include "geometry/base/params.h"
 
 #include <array>
+#include <cmath>
 #include <span>
 #include <string>
 #include <vector>
@@ -51,6 +52,8 @@ struct WeberPennParameters {
 
   const PlantLevel& at(int n) const { return level[std::size_t(std::min(n, plant_level_kinds - 1))]; }
 };
+
+inline double leaf_length(const WeberPennParameters& p) { return p.leaf_scale / std::sqrt(p.quality); }
 
 // ShapeRatio of the paper (section 4.2), by the shapes 0 conical, 1 spherical, 2 hemispherical, 3 cylindrical, 4
 // tapered cylindrical, 5 flame, 6 inverse conical, 7 tend flame. `r` is clamped to 0 ... 1. Shape 8 is

@@ -1,6 +1,7 @@
 #include "procedural/plants/weber_penn_step.h"
 
 #include "geometry/base/check.h"
+#include "procedural/plants/child_kernels.h"
 #include "procedural/plants/leaf_shape.h"
 
 #include <fmt/format.h>
@@ -19,14 +20,6 @@ enum BudParameter { bud_length, bud_base_radius, bud_children, bud_inset, bud_sc
 
 void parameters_of(const StemBud& bud, FaceOrigin& origin) {
   origin.parameters = {float(bud.length), float(bud.radius), float(bud.children), float(bud.inset), float(bud.scale)};
-}
-
-// Turns a leaf towards the light: outwards and upwards (section 4.9 of the paper).
-void turn_to_light(Affine3d& frame, double bend) {
-  const Vec3d o = frame.origin, n = frame.y;
-  turn_about_up(frame, bend * std::atan2(n.z * o.x - n.x * o.z, n.x * o.x + n.z * o.z));
-  const double tilt = std::acos(std::clamp(dot(frame.y, plant_up), -1.0, 1.0));
-  turn_about_x(frame, dot(frame.z, plant_up) < 0 ? -bend * tilt : bend * tilt);
 }
 
 // A bound on the angle between a trunk and the vertical, radians.
@@ -216,10 +209,12 @@ class WeberPennStep::Application {
         grow(f);
       else
         keep(f);
-      if (f < in_.owned_faces) out_.owned_faces = out_.mesh.face_count();
+      const std::uint32_t faces = grown_.face_count();
+      if (f < in_.owned_faces) out_.owned_faces = faces;
       if (f < in_.labels.size()) out_.labels.resize(out_.owned_faces, in_.labels[f]);
-      out_.rings.resize(out_.mesh.face_count(), f < in_.rings.size() ? in_.rings[f] : std::uint8_t(0));
+      out_.rings.resize(faces, f < in_.rings.size() ? in_.rings[f] : std::uint8_t(0));
     }
+    grown_.finish();
     Mesh& o = out_.mesh;
     if (!in_.mesh.corner_sharpness.empty()) o.corner_sharpness.resize(o.corner_vertices.size(), 0);
     if (!in_.mesh.vertex_sharpness.empty()) o.vertex_sharpness.resize(o.positions.size(), 0);
@@ -254,23 +249,19 @@ class WeberPennStep::Application {
     Mesh& o = out_.mesh;
     std::uint32_t& kept = kept_vertices_[v];
     if (kept != none) return kept;
-    if (!m.uv.empty()) o.uv.push_back(m.uv[v]);
-    if (!m.vertex_sharpness.empty()) {
-      o.vertex_sharpness.resize(o.positions.size(), 0);
-      o.vertex_sharpness.push_back(m.vertex_sharpness[v]);
-    }
-    o.add_vertex(m.positions[v], m.vertex_keys[v]);
+    kept = grown_.keep_vertex(m, v);
+    keep_detail(m.vertex_sharpness, v, o.vertex_sharpness);
     keep_detail(m.nominal_scale, v, o.nominal_scale);
     keep_detail(m.frozen, v, o.frozen);
     keep_detail(m.fading, v, o.fading);
-    return kept = o.vertex_count() - 1;
+    return kept;
   }
 
   // New vertices have none yet.
   template <class T>
   void keep_detail(const std::vector<T>& from, std::uint32_t v, std::vector<T>& to) {
     if (from.empty()) return;
-    to.resize(out_.mesh.positions.size());
+    to.resize(grown_.vertex_count());
     to.back() = from[v];
   }
 
@@ -284,12 +275,12 @@ class WeberPennStep::Application {
     }
     face_.clear();
     for (std::uint32_t v : m.corners(f)) face_.push_back(kept_vertex(v));
-    if (!m.corner_sharpness.empty()) o.corner_sharpness.resize(o.corner_vertices.size(), 0);
-    for (std::uint32_t c = m.face_starts[f]; c < m.face_starts[f + 1]; ++c) {
-      if (!m.corner_uv.empty()) o.corner_uv.push_back(m.corner_uv[c]);
-      if (!m.corner_sharpness.empty()) o.corner_sharpness.push_back(m.corner_sharpness[c]);
+    if (!m.corner_sharpness.empty()) {
+      o.corner_sharpness.resize(grown_.corner_count(), 0);
+      const auto first = m.corner_sharpness.begin();
+      o.corner_sharpness.insert(o.corner_sharpness.end(), first + m.face_starts[f], first + m.face_starts[f + 1]);
     }
-    o.add_face(face_, m.face_keys[f], origin);
+    grown_.keep_face(m, f, face_, origin);
   }
 
   void grow(std::uint32_t f) {
@@ -297,16 +288,14 @@ class WeberPennStep::Application {
     const Draws draws(stem.bud().key);
     const PlantDetail detail = plant_detail(plant_.parameters, step_.level_, stem.bud().radius, stem.segment_length(),
                                             step_.footprint_at(in_, stem.bud().frame.origin), plant_.is_smoothed);
-    const std::uint32_t before = out_.mesh.face_count();
+    const std::uint32_t before = grown_.face_count();
     grown_.begin_bud(in_.mesh.face_keys[f]);
     if (draws.uniform(shown) < detail.stem_share) mesh_stem(stem, plant_.parameters, detail.stem, stems(), grown_);
-    stem.find_children(children_, detail.child_share);
-    for (const StemChild& child : children_)
-      if (stem.bears_leaves())
-        add_leaf(child, detail);
-      else
-        add_bud(child.bud);
-    if (out_.mesh.face_count() == before) leave_bud(f);
+    if (stem.bears_leaves())
+      add_leaves(stem, detail);
+    else
+      add_buds(stem, detail);
+    if (grown_.face_count() == before) leave_bud(f);
   }
 
   const StemFaces& stems() const { return plant_.stems[std::size_t(step_.level_)]; }
@@ -316,8 +305,13 @@ class WeberPennStep::Application {
     keep(f);
     FaceOrigin speck = in_.mesh.origins[in_.mesh.face_origins[f]];
     speck.symbol = -1;
-    out_.mesh.face_origins.back() = std::uint32_t(out_.mesh.origins.size());
+    out_.mesh.face_origins[grown_.face_count() - 1] = std::uint32_t(out_.mesh.origins.size());
     out_.mesh.origins.push_back(speck);
+  }
+
+  void add_buds(const Stem& stem, const PlantDetail& detail) {
+    stem.find_children(children_, detail.child_share);
+    for (const StemChild& child : children_) add_bud(child.bud);
   }
 
   void add_bud(const StemBud& bud) {
@@ -325,40 +319,54 @@ class WeberPennStep::Application {
     parameters_of(bud, origin);
     grown_.begin_bud(bud.key);
     grown_.set_origin(origin);
+    grown_.make_room(3, 1, 3);
     const auto corners = bud_corners(bud.frame);
     const std::array vertices{grown_.add_vertex(corners[0], {}), grown_.add_vertex(corners[1], {}),
                               grown_.add_vertex(corners[2], {})};
     grown_.add_face(vertices, bud.key);
   }
 
-  void add_leaf(const StemChild& leaf, const PlantDetail& detail) {
+  void add_leaves(const Stem& stem, const PlantDetail& detail) {
     const WeberPennParameters& p = plant_.parameters;
-    const bool in_full = detail.leaf_faces >= 1 || Draws(leaf.bud.key).uniform(drawn_in_full) < detail.leaf_faces;
-    const LeafShape& shape = in_full ? leaf_shape(p.leaf_shape) : simple_leaf_shape(p.leaf_shape);
-    Affine3d frame = leaf.bud.frame;
-    turn_to_light(frame, p.leaf_bend);
+    stem.find_children(leaves_, detail.child_share);
+    best_child_kernels().turn_to_light(leaves_.view(), leaves_.size(), p.leaf_bend);
+    const LeafShape &full = leaf_shape(p.leaf_shape), &simple = simple_leaf_shape(p.leaf_shape);
+    const auto scaled = [&](const LeafShape& shape, std::vector<Vec3d>& vertices) {
+      vertices.clear();
+      for (Vec3d v : shape.vertices)
+        vertices.push_back({v.x * detail.leaf_width, v.y * detail.leaf_length, v.z * detail.leaf_length});
+    };
+    scaled(full, full_leaf_);
+    scaled(simple, simple_leaf_);
+    const auto count = std::uint32_t(leaves_.size());
+    const auto most = [&](std::size_t a, std::size_t b) { return std::uint32_t(std::max(a, b)) * count; };
+    grown_.make_room(most(full.vertices.size(), simple.vertices.size()), most(full.face_count(), simple.face_count()),
+                     most(full.corners.size(), simple.corners.size()));
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const bool in_full = detail.leaf_faces >= 1 || Draws(leaves_.key(i)).uniform(drawn_in_full) < detail.leaf_faces;
+      if (in_full)
+        add_leaf(i, detail, full, full_leaf_);
+      else
+        add_leaf(i, detail, simple, simple_leaf_);
+    }
+  }
+
+  // `vertices`: those of the shape, of the size of a leaf.
+  void add_leaf(std::size_t leaf, const PlantDetail& detail, const LeafShape& shape, std::span<const Vec3d> vertices) {
+    Affine3d frame = leaves_.frame(leaf);
     // Around the middle of the leaf that it grows from
-    frame.origin -= frame.z * (0.5 * (detail.leaf_length - leaf.bud.length));
-    FaceOrigin origin{0,
-                      plant_.leaf_material,
-                      plant_.leaf_symbol,
-                      plant_.leaf_production,
-                      {float(leaf.place), float(detail.leaf_length)}};
-    grown_.begin_bud(leaf.bud.key);
-    grown_.set_origin(origin);
+    frame.origin -= frame.z * (0.5 * (detail.leaf_length - leaf_length(plant_.parameters)));
+    grown_.begin_bud(leaves_.key(leaf));
+    grown_.set_origin({0,
+                       plant_.leaf_material,
+                       plant_.leaf_symbol,
+                       plant_.leaf_production,
+                       {float(leaves_.at(ChildRows::place, leaf)), float(detail.leaf_length)}});
     const std::uint32_t first = grown_.face_count();
-    vertices_.clear();
-    for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
-      const Vec3d v = shape.vertices[i];
-      const Vec3d at = frame.z * (v.y * detail.leaf_length) + frame.y * (v.z * detail.leaf_length) -
-                       frame.x * (v.x * detail.leaf_width);
-      vertices_.push_back(grown_.add_vertex(frame.origin + at, shape.uv[i]));
-    }
-    for (std::uint32_t f = 0; f < shape.face_count(); ++f) {
-      face_.clear();
-      for (std::uint32_t v : shape.face(f)) face_.push_back(vertices_[v]);
-      grown_.add_face(face_);
-    }
+    grown_.add_leaf(shape, [&](std::uint32_t i) {
+      const Vec3d v = vertices[i];
+      return frame.origin + (frame.z * v.y + frame.y * v.z - frame.x * v.x);
+    });
     if (detail.are_cards) grown_.freeze(first);
   }
 
@@ -368,8 +376,10 @@ class WeberPennStep::Application {
   CellMesh& out_;
   PlantMesh grown_;
   std::vector<std::uint32_t> kept_vertices_, kept_origins_;  // by index before: index after
-  std::vector<std::uint32_t> face_, vertices_;
+  std::vector<std::uint32_t> face_;
+  std::vector<Vec3d> full_leaf_, simple_leaf_;  // vertices of a leaf of the right size
   std::vector<StemChild> children_;
+  ChildRows leaves_;
 };
 
 void WeberPennStep::apply(const CellMesh& in, int rings_after, CellMesh& out) const {

@@ -29,6 +29,7 @@ void expect_closed_stems(const WeberPennParameters& p, Key key, bool is_smoothed
     detail.sides = stem.bud().level == 0 ? 16 : stem.bud().level == 1 ? 8 : 4;
     detail.is_smoothed = is_smoothed;
     mesh_stem(stem, p, detail, {0, 0}, out);
+    out.finish();
     ASSERT_EQ(manifold_defect(mesh), "");
     ASSERT_TRUE(is_closed(mesh));
     ASSERT_EQ(euler_characteristic(mesh), 2);
