@@ -121,7 +121,23 @@ void turn_to_light(ChildRows::View rows, std::size_t count, double bend) {
   }
 }
 
-constexpr ChildKernels table{put_on_axis, turn_away, turn_to_light};
+void put_vertices(ChildRows::View rows, std::size_t first, const LeafVertices& leaf, double* out) {
+  for (std::size_t i = 0; i < ChildRows::group; i += doubles) {
+    const Vec x = load_vec(rows, ChildRows::x_axis, first + i), y = load_vec(rows, ChildRows::y_axis, first + i),
+              z = load_vec(rows, ChildRows::z_axis, first + i);
+    const Vec origin = load_vec(rows, ChildRows::origin, first + i) + z * splat(leaf.forward);
+    for (std::size_t v = 0; v < leaf.count; ++v) {
+      const Vec vertex = splat(leaf.vertices[v]);
+      const Vec at = origin + (z * vertex.y + y * vertex.z - x * vertex.x);
+      double* const to = out + 3 * v * ChildRows::group + i;
+      store(to, (at.x + leaf.magic) - leaf.magic);
+      store(to + ChildRows::group, (at.y + leaf.magic) - leaf.magic);
+      store(to + 2 * ChildRows::group, (at.z + leaf.magic) - leaf.magic);
+    }
+  }
+}
+
+constexpr ChildKernels table{put_on_axis, turn_away, turn_to_light, put_vertices};
 
 }  // namespace
 }  // namespace meristem

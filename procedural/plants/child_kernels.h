@@ -9,6 +9,14 @@ namespace meristem {
 
 struct StemNode;
 
+// The vertices of leaves of one shape and size, in the frame of a leaf.
+struct LeafVertices {
+  const Vec3d* vertices;
+  std::size_t count;
+  double forward;  // how far leaves are moved along their z
+  double magic;    // of the grid of positions
+};
+
 struct ChildKernels {
   // Puts children on the axis from joint a to joint b, at their part of it; their frames are those of the axis there.
   void (*put_on_axis)(const StemNode& a, const StemNode& b, ChildRows::View rows, std::size_t begin, std::size_t end);
@@ -16,6 +24,9 @@ struct ChildKernels {
   void (*turn_away)(ChildRows::View rows, std::size_t count);
   // Turns leaves towards the light: outwards and upwards (section 4.9 of the paper).
   void (*turn_to_light)(ChildRows::View rows, std::size_t count, double bend);
+  // Where the vertices of a group of leaves are, from `first` on: coordinate c of vertex v of leaf `first` + i is
+  // out[(3 v + c) group + i].
+  void (*put_vertices)(ChildRows::View rows, std::size_t first, const LeafVertices& vertices, double* out);
 };
 
 const ChildKernels& baseline_child_kernels();

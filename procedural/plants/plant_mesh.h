@@ -22,7 +22,6 @@ class PlantMesh {
       : mesh_(mesh), quantum_(quantum), uv_by_corner_(uv_by_corner), step_key_(step_key) {}
 
   bool has_uv_by_corner() const { return uv_by_corner_; }
-
   std::uint32_t vertex_count() const { return vertices_; }
   std::uint32_t face_count() const { return faces_; }
   std::uint32_t corner_count() const { return corners_; }
@@ -70,13 +69,13 @@ class PlantMesh {
   void add_face(std::initializer_list<std::uint32_t> vertices) {
     add_face(std::span<const std::uint32_t>(vertices.begin(), vertices.size()));
   }
-  // A leaf of that shape, whose vertex i is at place(i).
+  // A leaf of that shape, whose vertex i is at place(i), on the grid.
   template <class Place>
   void add_leaf(const LeafShape& shape, const Place& place) {
     const auto vertices = std::uint32_t(shape.vertices.size()), corners = std::uint32_t(shape.corners.size());
     Vec3d* const positions = &mesh_.positions[vertices_];
     Key* const vertex_keys = &mesh_.vertex_keys[vertices_];
-    for (std::uint32_t i = 0; i < vertices; ++i) positions[i] = quantum_.round(place(i));
+    for (std::uint32_t i = 0; i < vertices; ++i) positions[i] = place(i);
     for (std::uint32_t i = 0; i < vertices; ++i) vertex_keys[i] = keys_(next_ + i);
     std::uint32_t* const corner_vertices = &mesh_.corner_vertices[corners_];
     for (std::uint32_t i = 0; i < corners; ++i) corner_vertices[i] = vertices_ + shape.corners[i];

@@ -116,7 +116,9 @@ bool Stem::fits() const {
 
 int Stem::grow(Path path) {
   const int index = int(pieces_.size());
-  pieces_.push_back({path.segment, {{path.frame, {}}}, {}, path.share, path.key});
+  pieces_.push_back({path.segment, {}, {}, path.share, path.key});
+  pieces_.back().nodes.reserve(std::size_t(segments_ - path.segment) + 1);
+  pieces_.back().nodes.push_back({path.frame, {}});
   path.frame.origin = path.first_end;
   for (int i = path.segment; i + 1 < segments_; ++i) {
     if (const int clones = clones_after(path, i); clones > 0) {

@@ -79,9 +79,10 @@ class StemMesher {
     return a;
   }
 
-  Vec3d direction(const Section& s, std::uint32_t label) const {
-    return s.x * cos_[label] + cross(s.tangent, s.x) * sin_[label];
-  }
+  // The y of a section goes with its x.
+  static Vec3d beside(const Section& s) { return cross(s.tangent, s.x); }
+  Vec3d direction(Vec3d x, Vec3d y, std::uint32_t label) const { return x * cos_[label] + y * sin_[label]; }
+  Vec3d direction(const Section& s, std::uint32_t label) const { return direction(s.x, beside(s), label); }
   double radius(double z) const {
     return cage_ * detail_.widening * std::max(stem_.flared_radius_at(z), 1e-3 * stem_.bud().radius);
   }
@@ -123,9 +124,11 @@ class StemMesher {
 
   Ring add_ring(const Section& s) {
     Ring ring;
-    const double r = radius(s.z);
+    const double r = radius(s.z), v = s.z;
+    const Vec3d center = s.center, x = s.x, y = beside(s);
     out_.make_room(n_, 0, 0);
-    for (std::uint32_t i = 0; i < n_; ++i) ring[i] = out_.add_vertex(rim(s, i, r), {u_[i], s.z});
+    for (std::uint32_t i = 0; i < n_; ++i)
+      ring[i] = out_.add_vertex(center + direction(x, y, i) * (r * bulge_[i]), {u_[i], v});
     return ring;
   }
 
@@ -189,19 +192,30 @@ class StemMesher {
     return size > most ? d * (most / size) : d;
   }
 
-  // Where rings stand on segment i after t = `from`: ascending, ending at 1.
-  std::vector<double> ring_places(const StemPiece& piece, std::size_t i, double from) const {
-    const double segment = stem_.segment_length(), z0 = (piece.first_segment + double(i)) * segment;
-    const double turn = std::acos(std::clamp(dot(stem_.tangent(piece, i, 0), stem_.tangent(piece, i, 1)), -1.0, 1.0));
+  // How many rings stand on segment i after t = `from`.
+  int ring_count(const StemPiece& piece, std::size_t i, double from, double z0) const {
+    const double segment = stem_.segment_length();
     const double width = 2 * pi * stem_.radius_at(z0 + 0.5 * segment) / n_;
     const double long_faces = std::min(segment / std::max(detail_.aspect * width, 1e-9), double(detail_.most_rings));
-    const double bends = std::min(to_degrees(turn) / detail_.bend, double(most_bend_rings));
-    const double share = 1 - from;
-    const int count = std::max(int(std::ceil(std::max(long_faces, bends) * share - 1e-9)), 1);
-    std::vector<double> places;
-    for (int k = 1; k <= count; ++k) places.push_back(k == count ? 1 : from + share * k / count);
-    add_special_places(piece, i, from, z0, places);
-    return places;
+    const auto count = [&](double turn) {
+      const double bends = std::min(to_degrees(turn) / detail_.bend, double(most_bend_rings));
+      return std::max(int(std::ceil(std::max(long_faces, bends) * (1 - from) - 1e-9)), 1);
+    };
+    // An angle is at least its chord c and at most c + (pi - 2) (c / 2)^3; mostly that tells
+    const double cosine = std::clamp(dot(piece.nodes[i].tangent, piece.nodes[i + 1].tangent), -1.0, 1.0);
+    const double chord = std::sqrt(2 - 2 * cosine);
+    const int least = count(chord), most = count(chord + (pi - 2) / 8 * chord * chord * chord);
+    return least == most ? least : count(std::acos(cosine));
+  }
+
+  // Where they stand: ascending, ending at 1.
+  std::span<const double> ring_places(const StemPiece& piece, std::size_t i, double from) {
+    const double z0 = (piece.first_segment + double(i)) * stem_.segment_length();
+    const int count = ring_count(piece, i, from, z0);
+    places_.clear();
+    for (int k = 1; k <= count; ++k) places_.push_back(k == count ? 1 : from + (1 - from) * k / count);
+    add_special_places(piece, i, from, z0, places_);
+    return places_;
   }
 
   // The flare of a trunk, and ends that are rounder than a cone, need rings of their own.
@@ -348,6 +362,7 @@ class StemMesher {
   PlantMesh& out_;
   const std::uint32_t n_;
   double cage_ = 1;
+  std::vector<double> places_;
   std::array<double, most_sides> cos_, sin_, bulge_, u_;
 };
 

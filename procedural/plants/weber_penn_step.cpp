@@ -2,7 +2,7 @@
 
 #include "geometry/base/check.h"
 #include "procedural/plants/child_kernels.h"
-#include "procedural/plants/leaf_shape.h"
+#include "procedural/plants/sized_leaf.h"
 
 #include <fmt/format.h>
 
@@ -330,32 +330,23 @@ class WeberPennStep::Application {
     const WeberPennParameters& p = plant_.parameters;
     stem.find_children(leaves_, detail.child_share);
     best_child_kernels().turn_to_light(leaves_.view(), leaves_.size(), p.leaf_bend);
-    const LeafShape &full = leaf_shape(p.leaf_shape), &simple = simple_leaf_shape(p.leaf_shape);
-    const auto scaled = [&](const LeafShape& shape, std::vector<Vec3d>& vertices) {
-      vertices.clear();
-      for (Vec3d v : shape.vertices)
-        vertices.push_back({v.x * detail.leaf_width, v.y * detail.leaf_length, v.z * detail.leaf_length});
-    };
-    scaled(full, full_leaf_);
-    scaled(simple, simple_leaf_);
-    const auto count = std::uint32_t(leaves_.size());
-    const auto most = [&](std::size_t a, std::size_t b) { return std::uint32_t(std::max(a, b)) * count; };
-    grown_.make_room(most(full.vertices.size(), simple.vertices.size()), most(full.face_count(), simple.face_count()),
-                     most(full.corners.size(), simple.corners.size()));
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const bool in_full = detail.leaf_faces >= 1 || Draws(leaves_.key(i)).uniform(drawn_in_full) < detail.leaf_faces;
-      if (in_full)
-        add_leaf(i, detail, full, full_leaf_);
-      else
-        add_leaf(i, detail, simple, simple_leaf_);
+    full_leaf_.set(leaf_shape(p.leaf_shape), detail);
+    simple_leaf_.set(simple_leaf_shape(p.leaf_shape), detail);
+    full_leaf_.make_room(leaves_.size(), grown_);
+    simple_leaf_.make_room(leaves_.size(), grown_);
+    // Leaves that stand for several lie around the middle of the one that they grow from
+    const double forward = -0.5 * (detail.leaf_length - leaf_length(p));
+    for (std::size_t first = 0; first < leaves_.size(); first += ChildRows::group) {
+      if (detail.leaf_faces > 0) full_leaf_.place(leaves_.view(), first, forward, step_.quantum_);
+      if (detail.leaf_faces < 1) simple_leaf_.place(leaves_.view(), first, forward, step_.quantum_);
+      for (std::size_t i = first; i < std::min(first + ChildRows::group, leaves_.size()); ++i) {
+        const bool in_full = detail.leaf_faces >= 1 || Draws(leaves_.key(i)).uniform(drawn_in_full) < detail.leaf_faces;
+        add_leaf(i, detail, in_full ? full_leaf_ : simple_leaf_);
+      }
     }
   }
 
-  // `vertices`: those of the shape, of the size of a leaf.
-  void add_leaf(std::size_t leaf, const PlantDetail& detail, const LeafShape& shape, std::span<const Vec3d> vertices) {
-    Affine3d frame = leaves_.frame(leaf);
-    // Around the middle of the leaf that it grows from
-    frame.origin -= frame.z * (0.5 * (detail.leaf_length - leaf_length(plant_.parameters)));
+  void add_leaf(std::size_t leaf, const PlantDetail& detail, const SizedLeaf& shape) {
     grown_.begin_bud(leaves_.key(leaf));
     grown_.set_origin({0,
                        plant_.leaf_material,
@@ -363,10 +354,7 @@ class WeberPennStep::Application {
                        plant_.leaf_production,
                        {float(leaves_.at(ChildRows::place, leaf)), float(detail.leaf_length)}});
     const std::uint32_t first = grown_.face_count();
-    grown_.add_leaf(shape, [&](std::uint32_t i) {
-      const Vec3d v = vertices[i];
-      return frame.origin + (frame.z * v.y + frame.y * v.z - frame.x * v.x);
-    });
+    shape.add_to(grown_, leaf);
     if (detail.are_cards) grown_.freeze(first);
   }
 
@@ -377,7 +365,7 @@ class WeberPennStep::Application {
   PlantMesh grown_;
   std::vector<std::uint32_t> kept_vertices_, kept_origins_;  // by index before: index after
   std::vector<std::uint32_t> face_;
-  std::vector<Vec3d> full_leaf_, simple_leaf_;  // vertices of a leaf of the right size
+  SizedLeaf full_leaf_, simple_leaf_;
   std::vector<StemChild> children_;
   ChildRows leaves_;
 };

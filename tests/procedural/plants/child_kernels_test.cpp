@@ -45,6 +45,13 @@ void place(const ChildKernels& kernels, const Joints& joints, std::size_t begin,
   kernels.turn_to_light(children.view(), children.size(), 0.3);
 }
 
+std::vector<const ChildKernels*> usable_child_kernels() {
+  std::vector<const ChildKernels*> usable{&baseline_child_kernels()};
+  if (usable_kernels().size() > 1) usable.push_back(&avx2_child_kernels());
+  if (usable_kernels().size() > 2) usable.push_back(&avx512_child_kernels());
+  return usable;
+}
+
 // One by one, with the library's functions.
 Affine3d placed_alone(const Joints& joints, double part, double around, double away, double bend) {
   StemPiece piece;
@@ -81,18 +88,34 @@ TEST(ChildKernels, PlaceChildrenAsFramesTurnedOneByOne) {
 }
 
 TEST(ChildKernels, HaveTheSameBitsWithEveryInstructionSetAndAtEveryPlace) {
-  std::vector<const ChildKernels*> usable{&baseline_child_kernels()};
-  if (usable_kernels().size() > 1) usable.push_back(&avx2_child_kernels());
-  if (usable_kernels().size() > 2) usable.push_back(&avx512_child_kernels());
   const Joints joints = joints_of(5);
   ChildRows expected = children_of(21);
   place(baseline_child_kernels(), joints, 0, expected);
-  for (const ChildKernels* kernels : usable)
+  for (const ChildKernels* kernels : usable_child_kernels())
     for (std::size_t shift : {0, 1, 3, 8}) {
       ChildRows children = children_of(21, shift);
       place(*kernels, joints, shift, children);
       for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(children.frame(i + shift), expected.frame(i));
     }
+}
+
+TEST(ChildKernels, PutVerticesOfLeavesIntoTheirFramesOnTheGrid) {
+  const Quantum quantum(0x1p-36);
+  const std::vector<Vec3d> vertices{{0, 0, 0}, {0.3, 0.5, 0.1}, {-0.1, 1, 0}};
+  ChildRows leaves = children_of(8);
+  place(best_child_kernels(), joints_of(2), 0, leaves);
+  for (const ChildKernels* kernels : usable_child_kernels()) {
+    std::vector<double> placed(3 * vertices.size() * ChildRows::group);
+    kernels->put_vertices(leaves.view(), 0, {vertices.data(), vertices.size(), -0.2, quantum.magic()}, placed.data());
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+      for (std::size_t k = 0; k < vertices.size(); ++k) {
+        const Affine3d f = leaves.frame(i);
+        const Vec3d v = vertices[k];
+        const Vec3d expected = quantum.round(f.origin + f.z * -0.2 + (f.z * v.y + f.y * v.z - f.x * v.x));
+        const double* const p = &placed[3 * k * ChildRows::group + i];
+        EXPECT_EQ((Vec3d{p[0], p[ChildRows::group], p[2 * ChildRows::group]}), expected);
+      }
+  }
 }
 
 }  // namespace
