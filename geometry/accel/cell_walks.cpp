@@ -56,12 +56,12 @@ class ChainMeasure {
   }
   static std::size_t largest_child(const CellEntry& cell) {
     const InnerCell& inner = *cell.inner();
+    const CellMesh whole = inner.whole();
     std::size_t largest = 0;
     double most = -1;
     for (std::size_t i = 0; i < inner.child_count(); ++i) {
       double faces = 0;
-      for (std::uint32_t f : inner.faces_of_child(i))
-        faces += wanted_faces(cell.root().model(), inner.cell, f, inner.level);
+      for (std::uint32_t f : inner.faces_of_child(i)) faces += wanted_faces(cell.root().model(), whole, f, inner.level);
       if (faces > most) most = faces, largest = i;
     }
     return largest;

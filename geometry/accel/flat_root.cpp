@@ -45,7 +45,7 @@ void append(Tessellation& all, const Tessellation& part) {
   all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
   all.attributes.insert(all.attributes.end(), part.attributes.begin(), part.attributes.end());
   all.leaves.insert(all.leaves.end(), part.leaves.begin(), part.leaves.end());
-  all.origins.insert(all.origins.end(), part.origins.begin(), part.origins.end());
+  all.origins.append(part.origins);
   for (Tessellation::Grid g : part.grids)
     all.grids.push_back(
         {g.first_vertex + first_vertex, g.width, g.height, g.origin + first_origin, g.leaf + first_leaf, g.coarser});

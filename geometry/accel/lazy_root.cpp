@@ -22,7 +22,7 @@ Tessellation box_of(const Bounds3f& b, Key key) {
                  {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   t.triangle_sources.assign(t.triangles.size(), {0, 0});
   t.leaves = {{}};
-  t.origins = {FaceOrigin{.key = key}};
+  t.origins.add({.key = key});
   return t;
 }
 

@@ -8,7 +8,7 @@ namespace meristem {
 
 namespace {
 
-constexpr std::size_t arrays = 8;
+constexpr std::size_t arrays = 7 + FaceOrigins::arrays;
 
 // What stands before the arrays of a surface in the file.
 struct Header {
@@ -22,7 +22,8 @@ static_assert(std::is_trivially_copyable_v<Header>);
 template <class Surface, class Nodes, class Visit>
 void for_each_array(Surface& s, Nodes& nodes, const Visit& visit) {
   visit(s.positions, 0), visit(s.attributes, 1), visit(s.grids, 2), visit(s.triangles, 3);
-  visit(s.triangle_sources, 4), visit(s.leaves, 5), visit(s.origins, 6), visit(nodes, 7);
+  visit(s.triangle_sources, 4), visit(s.leaves, 5), visit(nodes, 6);
+  FaceOrigins::for_each_array(s.origins, 7, visit);
 }
 
 template <class T>

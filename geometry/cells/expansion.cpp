@@ -1,7 +1,6 @@
 #include "geometry/cells/expansion.h"
 
 #include "geometry/cells/done_faces.h"
-#include "geometry/cells/extract.h"
 #include "geometry/cells/fading.h"
 #include "geometry/cells/gather.h"
 #include "geometry/cells/level_of_detail.h"
@@ -131,9 +130,10 @@ class Expander {
     auto inner = std::make_unique<InnerCell>();
     inner->level = level_;
     inner->cell = std::move(cell_);
-    inner->cell.mesh.shrink_to_fit();
     inner->faces_around = VertexFaces(inner->cell.mesh);
     make_children(model_, *inner);
+    inner->packed = PackedArrays::out_of(inner->cell.mesh);
+    inner->cell.mesh.shrink_to_fit();
     result_.inner = std::move(inner);
   }
 
@@ -150,9 +150,15 @@ class Expander {
 }  // namespace
 
 std::size_t InnerCell::bytes() const {
-  return sizeof(*this) + cell.mesh.bytes() + cell.rings.capacity() + faces_around.bytes() +
+  return sizeof(*this) + cell.mesh.bytes() + packed.bytes() + cell.rings.capacity() + faces_around.bytes() +
          child_starts.capacity() * 4 + child_faces.capacity() * 4 + child_bounds.capacity() * sizeof(Bounds3f) +
          child_keys.capacity() * 8;
+}
+
+CellMesh InnerCell::whole() const {
+  CellMesh result = cell;
+  result.mesh = packed.back_in(cell.mesh);
+  return result;
 }
 
 CellMesh root_cell(const Model& model, const Footprint* footprint, Key individual) {
@@ -166,8 +172,8 @@ CellMesh root_cell(const Model& model, const Footprint* footprint, Key individua
 }
 
 CellMesh child_cell(const Model& model, const InnerCell& parent, std::size_t child) {
-  CellMesh cell =
-      gather_cell(parent.cell.mesh, parent.faces_around, parent.faces_of_child(child), model.halo_rings(parent.level));
+  CellMesh cell = gather_cell(parent.cell.mesh, parent.faces_around, parent.faces_of_child(child),
+                              model.halo_rings(parent.level), &parent.packed);
   cell.footprint = parent.cell.footprint;
   return cell;
 }

@@ -5,6 +5,7 @@
 // same bits.
 #pragma once
 
+#include "geometry/cells/extract.h"
 #include "geometry/cells/model.h"
 #include "geometry/cells/tessellation.h"
 #include "geometry/mesh/rings.h"
@@ -19,6 +20,7 @@ namespace meristem {
 // A cell that is split: its mesh before step `level`, and the child cells as runs of `faces`.
 struct InnerCell {
   CellMesh cell;
+  PackedArrays packed;  // taken out of its mesh
   int level = 0;
   VertexFaces faces_around;                    // of its mesh
   std::vector<std::uint32_t> child_starts{0};  // into child_faces
@@ -30,6 +32,8 @@ struct InnerCell {
   std::span<const std::uint32_t> faces_of_child(std::size_t child) const {
     return {child_faces.data() + child_starts[child], child_starts[child + 1] - child_starts[child]};
   }
+  // The cell with all of its mesh.
+  CellMesh whole() const;
   std::size_t bytes() const;
 };
 

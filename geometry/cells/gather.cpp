@@ -226,8 +226,8 @@ class ChildMaker {
 
 }  // namespace
 
-CellMesh gather_cell(const Mesh& mesh, const VertexFaces& faces_around, std::span<const std::uint32_t> owned,
-                     int rings) {
+CellMesh gather_cell(const Mesh& mesh, const VertexFaces& faces_around, std::span<const std::uint32_t> owned, int rings,
+                     const PackedArrays* packed) {
   const VertexWalk walk(mesh, faces_around);
   Numbering faces;
   for (std::uint32_t f : owned) faces.add(f);
@@ -246,7 +246,7 @@ CellMesh gather_cell(const Mesh& mesh, const VertexFaces& faces_around, std::spa
     }
     begin = end;
   }
-  cell.mesh = extract_faces(mesh, faces.indices());
+  cell.mesh = packed ? extract_faces(mesh, *packed, faces.indices()) : extract_faces(mesh, faces.indices());
   return cell;
 }
 

@@ -7,8 +7,9 @@ namespace meristem {
 
 // A cell of the listed faces with `rings` rings of halo. Faces and vertices are numbered by walking around the owned
 // faces' corners, so that cells of one shape get one numbering (and share their RefinePlans). Cost: linear in the cell.
-CellMesh gather_cell(const Mesh& mesh, const VertexFaces& faces_around, std::span<const std::uint32_t> owned,
-                     int rings);
+// `packed`: arrays that were taken out of the mesh.
+CellMesh gather_cell(const Mesh& mesh, const VertexFaces& faces_around, std::span<const std::uint32_t> owned, int rings,
+                     const PackedArrays* packed = nullptr);
 
 // Fills in the children of an inner cell whose mesh, level and faces_around are set: runs of neighbouring faces that
 // make one leaf together, single faces that make more; a face that still grows stands with the faces that touch it,

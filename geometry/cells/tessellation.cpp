@@ -97,9 +97,8 @@ class Tessellator {
         out_(out),
         vertex_uv_(vertex_uv),
         leaf_(std::uint32_t(out.leaves.size())),
-        first_origin_(std::uint32_t(out.origins.size())) {
+        origins_(mesh.origins.size(), none) {
     out.leaves.push_back({{}, level});
-    out.origins.insert(out.origins.end(), mesh.origins.begin(), mesh.origins.end());
   }
 
   // Faces [0, count).
@@ -119,6 +118,8 @@ class Tessellator {
   }
 
  private:
+  static constexpr std::uint32_t none = ~std::uint32_t(0);
+
   // A square of 4^levels faces from `first` on: their order is that of a quadtree whose children run around the face.
   void add_grid(std::uint32_t first, int levels) {
     const std::uint32_t side = 1u << levels, width = side + 1;
@@ -137,8 +138,15 @@ class Tessellator {
       grid_vertices_[(j + 1) * width + i] = c[3];
     }
     grid_width_ = width;
-    grid_origin_ = first_origin_ + mesh_.face_origins[first];
+    grid_origin_ = origin_of(first);
     add_square(0, 0, side);
+  }
+
+  // Those of the halo are not kept.
+  std::uint32_t origin_of(std::uint32_t face) {
+    std::uint32_t& number = origins_[mesh_.face_origins[face]];
+    if (number == none) number = out_.origins.add(mesh_.origins[mesh_.face_origins[face]]);
+    return number;
   }
 
   // Quads are cut as those of grids are, others into a fan from the first corner; vertices are shared between faces.
@@ -155,7 +163,7 @@ class Tessellator {
   void add_triangle(std::uint32_t face, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     if (is_shown_together(a, b) || is_shown_together(b, c) || is_shown_together(c, a)) return;
     out_.triangles.push_back({shared_vertex(a), shared_vertex(b), shared_vertex(c)});
-    out_.triangle_sources.push_back({first_origin_ + mesh_.face_origins[face], leaf_});
+    out_.triangle_sources.push_back({origin_of(face), leaf_});
   }
 
   std::uint32_t grid_vertex(std::uint32_t i, std::uint32_t j) const { return grid_vertices_[j * grid_width_ + i]; }
@@ -210,7 +218,6 @@ class Tessellator {
     return std::uint32_t(out_.positions.size()) - 1;
   }
   std::uint32_t shared_vertex(std::uint32_t v) {
-    constexpr std::uint32_t none = ~std::uint32_t(0);
     if (shared_.empty()) shared_.assign(mesh_.vertex_count(), none);
     if (shared_[v] == none) shared_[v] = add_vertex(v);
     return shared_[v];
@@ -220,7 +227,8 @@ class Tessellator {
   const ShownSurface* const surface_;
   Tessellation& out_;
   std::vector<Vec2f>& vertex_uv_;  // of the output
-  const std::uint32_t leaf_, first_origin_;
+  const std::uint32_t leaf_;
+  std::vector<std::uint32_t> origins_;  // by number in the mesh: in the tessellation
   std::vector<std::uint32_t> grid_vertices_, shared_;
   std::uint32_t grid_width_ = 0, grid_origin_ = 0;
 };
@@ -248,6 +256,7 @@ void shrink_to_fit(Tessellation& t) {
   t.grids.shrink_to_fit();
   t.triangles.shrink_to_fit();
   t.triangle_sources.shrink_to_fit();
+  t.origins.shrink_to_fit();
 }
 
 }  // namespace
@@ -261,7 +270,7 @@ LimitSurface shown_surface(const CellMesh& cell, const std::optional<Smoothing>&
 
 std::size_t Tessellation::bytes() const {
   return capacity_bytes(positions) + capacity_bytes(attributes) + capacity_bytes(grids) + capacity_bytes(triangles) +
-         capacity_bytes(triangle_sources) + capacity_bytes(leaves) + capacity_bytes(origins);
+         capacity_bytes(triangle_sources) + capacity_bytes(leaves) + origins.bytes();
 }
 
 Bounds3f Tessellation::bounds() const {

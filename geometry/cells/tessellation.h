@@ -4,6 +4,7 @@
 
 #include "geometry/cells/model.h"
 #include "geometry/cells/packing.h"
+#include "geometry/mesh/face_origins.h"
 #include "geometry/mesh/limit.h"
 
 #include <array>
@@ -39,7 +40,7 @@ struct Tessellation {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<TriangleSource> triangle_sources;
   std::vector<Leaf> leaves;
-  std::vector<FaceOrigin> origins;
+  FaceOrigins origins;
   std::uint64_t face_count = 0;  // owned faces of the final mesh, before polygons were cut into triangles
 
   std::size_t bytes() const;
