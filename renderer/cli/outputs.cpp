@@ -71,6 +71,10 @@ void Outputs::write(const Film& film, const FilmInfo& info, const AdaptiveState&
 
 // `denoised` may be empty.
 void Outputs::write_display_images(const Film& film, const Image& denoised, const Metadata& metadata) const {
+  const WriteOptions how{.bits = options_.bits,
+                         .dither = transform_ && !transform_->is_data(),
+                         .x0 = film.window().x0,
+                         .y0 = film.window().y0};
   Image shown;
   for (const std::string& path : options_.files) {
     if (!is_display_image(path)) continue;
@@ -78,7 +82,7 @@ void Outputs::write_display_images(const Film& film, const Image& denoised, cons
       shown = denoised.pixels.empty() ? film.develop() : denoised;
       transform_->apply(shown.pixels.data(), shown.width, shown.height, shown.channels);
     }
-    write_image(path, shown, metadata, {.bits = options_.bits});
+    write_image(path, shown, metadata, how);
   }
 }
 

@@ -37,6 +37,8 @@ void DisplayTransform::apply(float* pixels, int width, int height, int channels)
   transform_->apply(pixels, width, height, channels);
 }
 
+bool DisplayTransform::is_data() const { return transform_->is_data(); }
+
 std::vector<std::string> DisplayTransform::views() { return management().views(); }
 
 }  // namespace meristem

@@ -37,6 +37,9 @@ class DisplayTransform {
   // stays. Any thread; about 10 million pixels a second.
   void apply(float* pixels, int width, int height, int channels) const;
 
+  // Whether the view shows numbers as they are, such as Raw does, and not light.
+  bool is_data() const;
+
   // The views of the default display of the configuration in use, the default first.
   static std::vector<std::string> views();
 

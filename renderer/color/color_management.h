@@ -9,10 +9,11 @@
 
 namespace meristem {
 
-// From scene-linear Rec.709 to display values, as DisplayTransform::apply(). Any thread.
+// From scene-linear Rec.709 to display values, as DisplayTransform. Any thread.
 class ColorTransform {
  public:
   virtual ~ColorTransform() = default;
+  virtual bool is_data() const = 0;
   virtual void apply(float* pixels, int width, int height, int channels) const = 0;
 };
 

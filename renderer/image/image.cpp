@@ -4,28 +4,28 @@
 #include "renderer/image/exr_parts.h"
 #include "renderer/image/image_codec.h"
 #include "renderer/image/png_encoder.h"
+#include "renderer/image/quantizer.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <filesystem>
 
 namespace meristem {
 
 namespace {
 
-// Its first `kept` channels, clamped to [0, 1]. NaN passes.
-Image display_channels(const Image& image, int kept) {
-  std::vector<float> values;
-  values.reserve(image.pixels.size());
-  for (std::size_t i = 0; i < image.pixels.size(); ++i)
-    if (int(i % std::size_t(image.channels)) < kept) {
-      const float value = image.pixels[i];
-      values.push_back(std::isnan(value) ? value : std::clamp(value, 0.0f, 1.0f));
-    }
-  return {image.width, image.height, kept, std::move(values)};
+// Its first `kept` channels, on the steps of the file.
+Image display_channels(const Image& image, int kept, const Quantizer& quantizer) {
+  Image steps{image.width, image.height, kept, {}};
+  steps.pixels.reserve(std::size_t(image.width) * std::size_t(image.height) * std::size_t(kept));
+  const float* pixel = image.pixels.data();
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x, pixel += image.channels)
+      for (int c = 0; c < kept; ++c)
+        steps.pixels.push_back(float(quantizer.step(pixel[c], x, y, c)) / float(quantizer.last()));
+  return steps;
 }
 
 std::vector<std::string> channel_names(int channels) {
@@ -59,11 +59,12 @@ std::size_t write_image(const std::string& path, const Image& image, const Metad
     return write_exr_parts(path, {{"", channel_names(image.channels), image, options.half, true}},
                            {0, 0, image.width, image.height}, metadata);
   if (format == ImageFormat::Png) {
-    write_file(path, encode_png(path, image, metadata, options.bits));
+    write_file(path, encode_png(path, image, metadata, options));
     return 0;
   }
-  const std::vector<unsigned char> bytes =
-      image_codec().encode(path, format, display_channels(image, std::min(image.channels, 3)), metadata, options);
+  const Quantizer quantizer(format == ImageFormat::Jpeg ? 8 : options.bits, options);
+  const std::vector<unsigned char> bytes = image_codec().encode(
+      path, format, display_channels(image, std::min(image.channels, 3), quantizer), metadata, options);
   write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   return 0;
 }

@@ -34,8 +34,10 @@ enum class ImageFormat { Exr, Png, Jpeg, Tiff };
 ImageFormat image_format(const std::string& path);
 
 struct WriteOptions {
-  bool half = true;  // EXR: 16-bit halves; else 32-bit floats
-  int bits = 8;      // PNG and TIFF: 8 or 16 a channel; JPEG always has 8
+  bool half = true;     // EXR: 16-bit halves; else 32-bit floats
+  int bits = 8;         // PNG and TIFF: 8 or 16 a channel; JPEG always has 8
+  bool dither = false;  // to 8 bits, for pictures to look at; data are better rounded (quantizer.h)
+  int x0 = 0, y0 = 0;   // of the image's first pixel in the frame: a crop is dithered as the whole
 };
 
 // Writes 1 (grey), 3 (RGB) or 4 (RGBA) channels. EXR takes scene-linear Rec.709 with alpha multiplied in; the others

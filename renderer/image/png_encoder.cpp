@@ -1,5 +1,7 @@
 #include "renderer/image/png_encoder.h"
 
+#include "renderer/image/quantizer.h"
+
 #include <fmt/format.h>
 #include <png.h>
 
@@ -17,6 +19,7 @@ namespace {
 struct Content {
   const Image& image;
   const int channels, bits;
+  const Quantizer quantizer;
   Metadata metadata;
   std::vector<png_text> texts;  // point into `metadata`
   png_time time{};
@@ -47,18 +50,13 @@ png_text text_of(std::string& name, std::string& value) {
   return text;
 }
 
-std::uint32_t step_of(float value, std::uint32_t last) {
-  return value > 0 ? std::uint32_t(std::min(value, 1.0f) * float(last) + 0.5f) : 0;
-}
-
 void fill_row(Content& content, int y) {
   const Image& image = content.image;
-  const std::uint32_t last = (1u << content.bits) - 1;
   const float* pixel = &image.pixels[std::size_t(y) * std::size_t(image.width) * std::size_t(image.channels)];
   png_byte* out = content.row.data();
   for (int x = 0; x < image.width; ++x, pixel += image.channels)
     for (int c = 0; c < content.channels; ++c) {
-      const std::uint32_t step = step_of(pixel[c], last);
+      const std::uint32_t step = content.quantizer.step(pixel[c], x, y, c);
       if (content.bits == 16) *out++ = png_byte(step >> 8);
       *out++ = png_byte(step & 255);
     }
@@ -132,15 +130,16 @@ class Writer {
 
 }  // namespace
 
-std::string encode_png(const std::string& path, const Image& image, const Metadata& metadata, int bits) {
+std::string encode_png(const std::string& path, const Image& image, const Metadata& metadata,
+                       const WriteOptions& options) {
   const int channels = std::min(image.channels, 3);
-  Content content{image, channels, bits, metadata, {}, {}, false, {}};
+  Content content{image, channels, options.bits, {options.bits, options}, metadata, {}, {}, false, {}};
   for (auto& [name, value] : content.metadata)
     if (name == "DateTime")
       content.has_time = read_time(value, content.time);
     else
       content.texts.push_back(text_of(name, value));
-  content.row.resize(std::size_t(image.width) * std::size_t(channels) * std::size_t(bits / 8));
+  content.row.resize(std::size_t(image.width) * std::size_t(channels) * std::size_t(options.bits / 8));
   Output output;
   if (!Writer(output).run(content)) {
     const char* const reason = output.reason[0] ? output.reason.data() : "out of memory";

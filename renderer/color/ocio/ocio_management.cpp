@@ -155,8 +155,9 @@ auto with_color_errors(const Work& work) {
 
 class OcioTransform final : public ColorTransform {
  public:
-  OcioTransform(ocio::ConstCPUProcessorRcPtr scene_linear, ocio::ConstCPUProcessorRcPtr display)
-      : scene_linear_(std::move(scene_linear)), display_(std::move(display)) {}
+  OcioTransform(ocio::ConstCPUProcessorRcPtr scene_linear, ocio::ConstCPUProcessorRcPtr display, bool is_data)
+      : scene_linear_(std::move(scene_linear)), display_(std::move(display)), is_data_(is_data) {}
+  bool is_data() const override { return is_data_; }
   void apply(float* pixels, int width, int height, int channels) const override {
     ocio::PackedImageDesc image(pixels, width, height, channels);
     if (scene_linear_) scene_linear_->apply(image);
@@ -165,6 +166,7 @@ class OcioTransform final : public ColorTransform {
 
  private:
   const ocio::ConstCPUProcessorRcPtr scene_linear_, display_;
+  const bool is_data_;
 };
 
 class OcioManagement final : public ColorManagement {
@@ -175,8 +177,10 @@ class OcioManagement final : public ColorManagement {
       const ocio::ConstConfigRcPtr config = current_config();
       const std::string shown_on = chosen("display", displays_of(*config), display);
       const std::string name = chosen("view", views_of(*config, shown_on.c_str()), view);
-      return std::make_unique<const OcioTransform>(to_scene_linear(config),
-                                                   to_display(config, shown_on, name, exposure));
+      const ocio::ConstColorSpaceRcPtr space =
+          config->getColorSpace(config->getDisplayViewColorSpaceName(shown_on.c_str(), name.c_str()));
+      return std::make_unique<const OcioTransform>(
+          to_scene_linear(config), to_display(config, shown_on, name, exposure), space && space->isData());
     });
   }
   std::vector<std::string> views() const override {

@@ -48,6 +48,12 @@ TEST(DisplayTransform, AcesShowsMiddleGreyAtATenthOfWhite) {
   }
 }
 
+TEST(DisplayTransform, RawAloneShowsData) {
+  EXPECT_TRUE(DisplayTransform("Raw").is_data());
+  EXPECT_FALSE(DisplayTransform("sRGB").is_data());
+  EXPECT_FALSE(DisplayTransform("").is_data());
+}
+
 // White of the display is reached near 16; the curve ends a little above and the file cuts that off.
 TEST(DisplayTransform, AcesCompressesLightAndKeepsItsOrder) {
   float before = -1;
