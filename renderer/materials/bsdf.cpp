@@ -1,6 +1,5 @@
 #include "renderer/materials/bsdf.h"
 
-#include "renderer/materials/fuzz.h"
 #include "renderer/materials/ggx.h"
 #include "renderer/materials/ggx_albedo.h"
 
@@ -21,16 +20,6 @@ Vec3f visible_normal(Vec3f shading, Vec3f geometric, Vec3f wo) {
   return cosine >= least ? shading : normalize(shading + wo * (least - cosine));
 }
 
-// EON, section 3: the directional albedo of the Fujii-Oren-Nayar lobe, from its exact integral (equation 12), and
-// constants.
-float fon_scale(float roughness) { return 1 / (1 + (0.5f - 2 / (3 * pi_f)) * roughness); }
-float fon_albedo(float c, float roughness) {
-  const float s = std::sqrt(std::max(0.f, 1 - c * c));
-  const float g = s * (std::acos(std::min(c, 1.f)) - s * c) + 2.f / 3 * (s * c * (1 + s + s * s) / (1 + s) - s);
-  return fon_scale(roughness) * (1 + roughness * g / pi_f);
-}
-float fon_mean_albedo(float roughness) { return fon_scale(roughness) * (1 + (2.f / 3 - 28 / (15 * pi_f)) * roughness); }
-
 }  // namespace
 
 void Bsdf::set_frame(const ShadingPoint& point) {
@@ -40,28 +29,31 @@ void Bsdf::set_frame(const ShadingPoint& point) {
   inside_ = side < 0 && glass > 0 && !thin_walled;
   const float cosine = dot(frame_.n, point.wo);
   if (f0 > 0) specular_albedo_ = ggx::Albedo::dielectric(alpha, f0);
+  if (fuzz > 0) fibers_ = fuzz::Fibers(fuzz_roughness);
   if (coat > 0) coat_albedo_ = ggx::Albedo::dielectric(coat_alpha, coat_f0);
   reflected_o_ = specular_albedo(cosine);
   passed_o_ = layered() ? passed_by_layers(cosine) : 1;
-  diffuse_mean_ = mean_of_diffuse();
+  if (layered() || diffuse_roughness > 0) {
+    const hemisphere_rule::Values passed = passed_to_base();
+    diffuse_mean_ = hemisphere_rule::mean(passed);
+    if (diffuse_roughness > 0) rough_ = RoughDiffuse(diffuse_roughness, passed, cosine);
+  } else {
+    diffuse_mean_ = f0 > 0 ? 1 - specular_albedo_.mean() : 1;
+  }
   shares_ = shares(cosine);
 }
 
-// The mean over all directions, weighted by 2 c, of what reaches the diffuse base.
-float Bsdf::mean_of_diffuse() const {
-  if (!layered()) return f0 > 0 ? 1 - specular_albedo_.mean() : 1;
-  // Gauss's rule over the root of c, in which albedos are smooth, with its weight of 4 c^(3/2)
-  struct Node {
-    float root, weight;
+// What the dielectric and the layers over it let pass to the base.
+hemisphere_rule::Values Bsdf::passed_to_base() const {
+  hemisphere_rule::Values passed;
+  passed.fill(1);
+  auto dim = [&](const hemisphere_rule::Values& albedos, float weight) {
+    for (std::size_t i = 0; i < passed.size(); ++i) passed[i] *= 1 - weight * albedos[i];
   };
-  constexpr Node nodes[] = {{0.15227316f, 0.00224684f}, {0.33130046f, 0.02834126f}, {0.53241157f, 0.12210477f},
-                            {0.72560278f, 0.27377313f}, {0.88161668f, 0.35320396f}, {0.97679535f, 0.22033003f}};
-  float mean = 0;
-  for (const Node& n : nodes) {
-    const float c = n.root * n.root;
-    mean += n.weight * passed_by_layers(c) * (1 - specular_albedo(c));
-  }
-  return mean;
+  if (f0 > 0) dim(specular_albedo_.at_rule(), 1);
+  if (coat > 0) dim(coat_albedo_.at_rule(), coat);
+  if (fuzz > 0) dim(fibers_.albedo_at_rule(), fuzz);
+  return passed;
 }
 
 Spectrum Bsdf::metal_fresnel(float cosine) const {
@@ -100,7 +92,7 @@ Spectrum Bsdf::fresnel(float cosine) const {
 
 float Bsdf::specular_albedo(float c) const { return f0 > 0 ? specular_albedo_.at(c) : 0; }
 float Bsdf::coat_albedo(float c) const { return coat > 0 ? coat * coat_albedo_.at(c) : 0; }
-float Bsdf::fuzz_albedo(float c) const { return fuzz > 0 ? fuzz * fuzz::albedo(c, fuzz_roughness) : 0; }
+float Bsdf::fuzz_albedo(float c) const { return fuzz > 0 ? fuzz * fibers_.albedo(c) : 0; }
 
 // What reaches the diffuse base and comes back out, such that its cosine-weighted integral over wi is the part of wo
 // that is not reflected above.
@@ -134,15 +126,7 @@ float Bsdf::glass_fresnel(float cosine) const {
 }
 
 Spectrum Bsdf::diffuse_reflectance(Vec3f wo, Vec3f wi) const {
-  if (diffuse_roughness == 0) return diffuse / pi_f;
-  const float r = diffuse_roughness;
-  const float s = dot(wo, wi) - wo.z * wi.z;
-  const float s_over_t = s > 0 ? s / std::max(wo.z, wi.z) : s;
-  const Spectrum single = diffuse * (fon_scale(r) * (1 + r * s_over_t) / pi_f);
-  const float mean = fon_mean_albedo(r);
-  const Spectrum multiple_albedo = diffuse * diffuse * mean / (Spectrum(1.f) - diffuse * (1 - mean));
-  const float lost = (1 - fon_albedo(wo.z, r)) * (1 - fon_albedo(wi.z, r)) / (1 - mean);
-  return single + multiple_albedo * (std::max(0.f, lost) / pi_f);
+  return diffuse_roughness > 0 ? rough_.reflectance(diffuse, wo, wi) : diffuse / pi_f;
 }
 
 // Chiang, Li, Burley 2019, equation 3: a smooth fall to zero where the geometric horizon cuts the shading hemisphere.
@@ -168,7 +152,7 @@ Bsdf::Scattered Bsdf::layers_reflected(Vec3f wo, Vec3f wi) const {
                         r.reflectance);
     s.pdf = shares_.coat * r.pdf;
   }
-  if (fuzz > 0) s.value += fuzz_color * (fuzz * fuzz::reflectance(wo, wi, fuzz_roughness));
+  if (fuzz > 0) s.value += fuzz_color * (fuzz * fibers_.reflectance(wo, wi));
   return s;
 }
 

@@ -6,10 +6,9 @@
 //    Edmondson 2021, "Novel Aspects of the Adobe Standard Material", section 2.3;
 //  - for metal, the light that scatters between microfacets: Kulla and Conty 2017, "Revisiting Physically Based
 //    Shading";
-//  - diffuse reflection, Lambert or, with diffuse_roughness, EON (Portsmouth, Kutz, Hill 2024, "EON: A Practical
-//    Energy-Preserving Rough Diffuse BRDF"), and diffuse transmission (Lambert), both dimmed by what the dielectric has
-//    reflected on the way in and out, such that a white base under it gives back all light (Kelemen, Szirmay-Kalos
-//    2001).
+//  - diffuse reflection, Lambert or, with diffuse_roughness, EON (rough_diffuse.h), and diffuse transmission (Lambert),
+//    both dimmed by what the dielectric has reflected on the way in and out, such that a white base under it gives back
+//    all light (Kelemen, Szirmay-Kalos 2001).
 //
 //  - glass in place of the diffuse base: GGX reflection and refraction with one distribution of microfacets (Walter et
 //    al. 2007), or through a thin wall straight on; tinted; what is lost between microfacets is given back by a factor
@@ -25,7 +24,9 @@
 // the dimming of specular lobes by layers. Finite for every finite input; parameters must be in the ranges given.
 #pragma once
 
+#include "renderer/materials/fuzz.h"
 #include "renderer/materials/ggx_albedo.h"
+#include "renderer/materials/rough_diffuse.h"
 #include "renderer/scene/interfaces.h"
 #include "renderer/scene/warps.h"
 
@@ -93,7 +94,7 @@ struct Bsdf {
   Spectrum metal_fresnel(float cosine) const;
   Spectrum metal_interreflection(float cos_o, float cos_i) const;
   Spectrum metal_mean_fresnel() const;
-  float mean_of_diffuse() const;
+  hemisphere_rule::Values passed_to_base() const;
   // The parts that the dielectric and the layers over it reflect; what passes those layers, of colour left out.
   float specular_albedo(float c) const;
   float coat_albedo(float c) const;
@@ -120,6 +121,8 @@ struct Bsdf {
   Frame frame_;                                // around the shading normal, on the side of wo
   bool inside_ = false;                        // wo is where the glass is
   ggx::Albedo specular_albedo_, coat_albedo_;  // of the dielectric if f0 > 0, of the coat if there is one
+  fuzz::Fibers fibers_;                        // if there is fuzz
+  RoughDiffuse rough_;                         // if the base is rough
   // Of wo: what the dielectric reflects, what the layers above it pass, and the lobes' shares of samples
   float reflected_o_ = 0, passed_o_ = 1;
   Shares shares_;

@@ -7,53 +7,62 @@
 #include <array>
 
 namespace meristem::fuzz {
+
+namespace {
+constexpr std::size_t cosines = 96, roughnesses = 24;
+}  // namespace
+
+struct FiberRow {  // albedos of one roughness, not yet scaled
+  std::array<float, cosines> albedos;
+  hemisphere_rule::Values at_rule;
+};
+
 namespace {
 
+float mix(float a, float b, float t) { return a + (b - a) * t; }
+
 // Not yet scaled to an albedo of at most 1.
-float raw_reflectance(Vec3f wo, Vec3f wi, float roughness) {
+float raw_reflectance(Vec3f wo, Vec3f wi, float exponent) {
   const Vec3f h = normalize(wo + wi);
-  const float sine = std::sqrt(std::max(0.f, 1 - h.z * h.z)), exponent = 1 / roughness;
+  const float sine = std::sqrt(std::max(0.f, 1 - h.z * h.z));
   const float distribution = (2 + exponent) * std::pow(sine, exponent) / (2 * pi_f);
   return distribution / (4 * (wo.z + wi.z - wo.z * wi.z));
 }
 
-// Over roughness and the root of the cosine, interpolated linearly.
-class AlbedoTable {
+// Over the root of the exponent, which is 1 / roughness, and the root of the cosine: in these albedos are nearly
+// linear.
+class FiberTable {
  public:
-  static const AlbedoTable& get() {
-    static const AlbedoTable table;
+  static const FiberTable& get() {
+    static const FiberTable table;
     return table;
   }
 
-  float at(float c, float roughness) const {
-    const float x = std::clamp(std::sqrt(c), 0.f, 1.f) * (cosines - 1);
-    const float y = std::clamp((roughness - min_roughness) / (1 - min_roughness), 0.f, 1.f) * (roughnesses - 1);
-    const auto i = std::min(std::size_t(x), cosines - 2), k = std::min(std::size_t(y), roughnesses - 2);
-    const float tx = x - float(i), ty = y - float(k);
-    auto row = [&](std::size_t r) {
-      const Row& values = rows_.at(r, make_row);
-      return values[i] * (1 - tx) + values[i + 1] * tx;
-    };
-    return row(k) * (1 - ty) + row(k + 1) * ty;
+  const FiberRow& row(std::size_t k) const { return rows_.at(k, make_row); }
+  // Where between the rows.
+  static float place(float exponent) {
+    return (std::sqrt(exponent) - 1) / (largest_root() - 1) * float(roughnesses - 1);
   }
 
  private:
-  static constexpr std::size_t cosines = 32, roughnesses = 20;
+  static float largest_root() {
+    static const float root = std::sqrt(1 / min_roughness);
+    return root;
+  }
 
-  using Row = std::array<float, cosines>;
-
-  static Row make_row(std::size_t k) {
-    const float roughness = min_roughness + (1 - min_roughness) * float(k) / (roughnesses - 1);
-    Row row{};
+  static FiberRow make_row(std::size_t k) {
+    const float root = mix(1, largest_root(), float(k) / (roughnesses - 1));
+    FiberRow row{};
     for (std::size_t i = 0; i < cosines; ++i) {
-      const float root = float(i) / (cosines - 1);
-      row[i] = integral(std::max(root * root, 1e-4f), roughness);
+      const float c = float(i) / (cosines - 1);
+      row.albedos[i] = integral(std::max(c * c, 1e-5f), root * root);
     }
+    row.at_rule = hemisphere_rule::of_table(row.albedos);
     return row;
   }
 
   // By the midpoint rule over the hemisphere, finer towards its rim, where the fibres shine.
-  static float integral(float c, float roughness) {
+  static float integral(float c, float exponent) {
     constexpr int rings = 48, turns = 24;
     const Vec3f wo{std::sqrt(1 - c * c), 0, c};
     double sum = 0;
@@ -61,25 +70,46 @@ class AlbedoTable {
       const float root = (float(i) + 0.5f) / rings, z = root * root, sine = std::sqrt(1 - z * z);
       for (int k = 0; k < turns; ++k) {
         const float turn = pi_f * (float(k) + 0.5f) / turns;
-        sum += double(raw_reflectance(wo, {sine * std::cos(turn), sine * std::sin(turn), z}, roughness) * z * 2 * root);
+        sum += double(raw_reflectance(wo, {sine * std::cos(turn), sine * std::sin(turn), z}, exponent) * z * 2 * root);
       }
     }
     return float(sum * 2 * pi / (rings * turns));
   }
 
-  LazyRows<Row, roughnesses> rows_;
+  LazyRows<FiberRow, roughnesses> rows_;
 };
 
 }  // namespace
 
-// The visibility term lets grazing light through twice: what would come to more than 1 is scaled down, both ways alike.
-float reflectance(Vec3f wo, Vec3f wi, float roughness) {
-  if (!(wo.z > 0 && wi.z > 0)) return 0;
-  const AlbedoTable& table = AlbedoTable::get();
-  const float largest = std::max({1.f, table.at(wo.z, roughness), table.at(wi.z, roughness)});
-  return raw_reflectance(wo, wi, roughness) / largest;
+// The visibility term lets grazing light through twice: what would come to more than 1 there is scaled down, for all
+// directions alike.
+Fibers::Fibers(float roughness) : exponent_(1 / std::clamp(roughness, min_roughness, 1.f)) {
+  const FiberTable& table = FiberTable::get();
+  const float place = table.place(exponent_);
+  const auto k = std::min(std::size_t(place), roughnesses - 2);
+  smoother_ = &table.row(k), rougher_ = &table.row(k + 1);
+  by_roughness_ = place - float(k);
+  scale_ = 1 / std::max(1.f, mix(smoother_->albedos[0], rougher_->albedos[0], by_roughness_));
 }
 
-float albedo(float c, float roughness) { return std::min(1.f, AlbedoTable::get().at(c, roughness)); }
+float Fibers::reflectance(Vec3f wo, Vec3f wi) const {
+  if (!(wo.z > 0 && wi.z > 0)) return 0;
+  return raw_reflectance(wo, wi, exponent_) * scale_;
+}
+
+float Fibers::albedo(float c) const {
+  const float x = std::sqrt(std::clamp(c, 0.f, 1.f)) * (cosines - 1);
+  const auto i = std::min(std::size_t(x), cosines - 2);
+  const float t = x - float(i);
+  const auto &a = smoother_->albedos, &b = rougher_->albedos;
+  return mix(mix(a[i], a[i + 1], t), mix(b[i], b[i + 1], t), by_roughness_) * scale_;
+}
+
+hemisphere_rule::Values Fibers::albedo_at_rule() const {
+  hemisphere_rule::Values values;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = mix(smoother_->at_rule[i], rougher_->at_rule[i], by_roughness_) * scale_;
+  return values;
+}
 
 }  // namespace meristem::fuzz

@@ -7,14 +7,30 @@
 #pragma once
 
 #include "geometry/base/vec.h"
+#include "renderer/materials/hemisphere_rule.h"
 
 namespace meristem::fuzz {
 
 constexpr float min_roughness = 0.05f;
 
-// The BRDF of white fibres; roughness in [min_roughness, 1].
-float reflectance(Vec3f wo, Vec3f wi, float roughness);
-// Its directional albedo at cosine `c`; at most 1.
-float albedo(float c, float roughness);
+struct FiberRow;
+
+// White fibres of one roughness. A small value that refers to rows of the table, which are never freed.
+class Fibers {
+ public:
+  Fibers() = default;                // of nothing: not to be asked
+  explicit Fibers(float roughness);  // in [min_roughness, 1]
+
+  // The BRDF.
+  float reflectance(Vec3f wo, Vec3f wi) const;
+  // Its directional albedo at cosine `c`: at most 1.
+  float albedo(float c) const;
+  hemisphere_rule::Values albedo_at_rule() const;
+
+ private:
+  const FiberRow *smoother_ = nullptr, *rougher_ = nullptr;  // the rows beside the roughness,
+  float by_roughness_ = 0;                                   // and how far between them
+  float exponent_ = 2, scale_ = 1;
+};
 
 }  // namespace meristem::fuzz

@@ -15,6 +15,7 @@ using Layers = std::array<float, fresnels + 1>;
 
 struct AlbedoRow {  // of one alpha
   std::array<std::array<float, cosines>, fresnels + 1> albedos;
+  std::array<hemisphere_rule::Values, fresnels + 1> at_rule;
   Layers means;
 };
 
@@ -97,13 +98,12 @@ class AlbedoTable {
     return {(std::sqrt(std::sqrt(alpha)) - least) / (1 - least), alphas};
   }
 
-  // Layer i has a root of f0 of (i / (fresnels - 1))^2, of the largest; between layers it is linear in that root.
+  // Layer i has a fourth root of f0 of i / (fresnels - 1), of the largest. Between layers it is about linear in the
+  // logarithm of that, since at grazing angles a Fresnel term is a function of the cosine over it.
   static float f0_at(int i) { return std::pow(float(i) / (fresnels - 1), 4.f) * max_f0; }
   static Place place_of_f0(float f0) {
-    const float root = std::sqrt(std::clamp(f0 / max_f0, 0.f, 1.f));
-    Place p(std::sqrt(root), fresnels);
-    const auto i = float(p.index);
-    p.fraction = (root * float((fresnels - 1) * (fresnels - 1)) - i * i) / (2 * i + 1);
+    Place p(std::sqrt(std::sqrt(std::clamp(f0 / max_f0, 0.f, 1.f))), fresnels);
+    p.fraction *= 1 + (1 - p.fraction) / (2 * (float(p.index) + p.fraction) + 1);
     return p;
   }
 
@@ -114,7 +114,10 @@ class AlbedoTable {
       const Layers layers = integrate(int(a), int(c));
       for (std::size_t f = 0; f <= fresnels; ++f) row.albedos[f][c] = layers[f];
     }
-    for (std::size_t f = 0; f <= fresnels; ++f) row.means[f] = integrate_mean(row.albedos[f]);
+    for (std::size_t f = 0; f <= fresnels; ++f) {
+      row.means[f] = integrate_mean(row.albedos[f]);
+      row.at_rule[f] = hemisphere_rule::of_table(row.albedos[f]);
+    }
     return row;
   }
 
@@ -253,6 +256,16 @@ float Albedo::at(float c) const {
 float Albedo::mean() const {
   auto layer = [&](int i) { return mix(smoother_->means[std::size_t(i)], rougher_->means[std::size_t(i)], by_alpha_); };
   return by_f0_ == 0 ? layer(layer_) : mix(layer(layer_), layer(layer_ + 1), by_f0_);
+}
+
+hemisphere_rule::Values Albedo::at_rule() const {
+  const auto i = std::size_t(layer_), next = by_f0_ == 0 ? i : i + 1;
+  const hemisphere_rule::Values &s0 = smoother_->at_rule[i], &s1 = smoother_->at_rule[next];
+  const hemisphere_rule::Values &r0 = rougher_->at_rule[i], &r1 = rougher_->at_rule[next];
+  hemisphere_rule::Values values;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    values[k] = mix(mix(s0[k], r0[k], by_alpha_), mix(s1[k], r1[k], by_alpha_), by_f0_);
+  return values;
 }
 
 float glass_albedo(float c, float alpha, float eta, bool inside) { return GlassTable::get().at(c, alpha, eta, inside); }

@@ -6,6 +6,8 @@
 // Any thread.
 #pragma once
 
+#include "renderer/materials/hemisphere_rule.h"
+
 namespace meristem::ggx {
 
 struct AlbedoRow;
@@ -20,6 +22,7 @@ class Albedo {
 
   float at(float c) const;
   float mean() const;
+  hemisphere_rule::Values at_rule() const;  // at() of its cosines
 
  private:
   const AlbedoRow *smoother_ = nullptr, *rougher_ = nullptr;  // the rows beside the roughness,

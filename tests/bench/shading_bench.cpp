@@ -48,6 +48,16 @@ Bsdf glass() {
   b.glass = 1;
   return b;
 }
+Bsdf rough_plastic() {
+  Bsdf b;
+  b.diffuse_roughness = 0.5f;
+  return b;
+}
+Bsdf rough_and_coated() {
+  Bsdf b = rough_plastic();
+  b.coat = 1;
+  return b;
+}
 Bsdf coated_and_dusty() {
   Bsdf b;
   b.coat = 1;
@@ -74,6 +84,8 @@ void scatter(benchmark::State& state, Bsdf (*make)()) {
 }
 BENCHMARK_CAPTURE(scatter, plastic, plastic);
 BENCHMARK_CAPTURE(scatter, glass, glass);
+BENCHMARK_CAPTURE(scatter, rough_plastic, rough_plastic);
+BENCHMARK_CAPTURE(scatter, rough_and_coated, rough_and_coated);
 BENCHMARK_CAPTURE(scatter, coated_and_dusty, coated_and_dusty);
 
 }  // namespace
