@@ -183,16 +183,19 @@ class WhiteFurnace : public OpenPbrTest, public testing::WithParamInterface<Coat
     return sum / count;
   }
 };
-INSTANTIATE_TEST_SUITE_P(, WhiteFurnace,
-                         testing::Values(CoatedBase{"diffuse", R"("specular_weight": 0)"},
-                                         CoatedBase{"metal", R"("base_metalness": 1)"},
-                                         CoatedBase{"glossy", R"("specular_roughness": 0.1)"},
-                                         CoatedBase{"half_metal", R"("base_metalness": 0.5, "specular_ior": 1.8)"}),
-                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    , WhiteFurnace,
+    testing::Values(CoatedBase{"diffuse", R"("specular_weight": 0)"}, CoatedBase{"metal", R"("base_metalness": 1)"},
+                    CoatedBase{"glossy", R"("specular_roughness": 0.1)"},
+                    CoatedBase{"rough", R"("base_diffuse_roughness": 1, "specular_weight": 0)"},
+                    CoatedBase{"rough_glossy", R"("base_diffuse_roughness": 0.5)"},
+                    CoatedBase{"rough_fuzzy", R"("base_diffuse_roughness": 1, "fuzz_weight": 0.8)"},
+                    CoatedBase{"half_metal", R"("base_metalness": 0.5, "specular_ior": 1.8)"}),
+    [](const auto& test) { return test.param.name; });
 
 TEST_P(WhiteFurnace, CoatsLoseNoLight) {
   for (const char* roughness : {"0", "0.1", "0.3", "0.6", "1"})
-    for (const char* ior : {"1.3", "1.5", "1.8"}) {
+    for (const char* ior : {"1.05", "1.3", "1.5", "1.8"}) {
       const auto material = make<Material>(
           register_openpbr, std::string(R"({ "base_color": 1, "coat_weight": 1, "coat_roughness": )") + roughness +
                                 R"(, "coat_ior": )" + ior + ", " + GetParam().parameters + "}");
