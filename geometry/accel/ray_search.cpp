@@ -1,7 +1,6 @@
 #include "geometry/accel/ray_search.h"
 
 #include <algorithm>
-#include <tuple>
 
 namespace meristem {
 
@@ -16,29 +15,6 @@ std::size_t CellList::nearest(float t) const {
   for (std::size_t cell = 0; cell < end(); cell = next(cell))
     if (!is_removed(cell) && entry(cell) <= t && (nearest == end() || entry(cell) < entry(nearest))) nearest = cell;
   return nearest;
-}
-
-std::size_t CellList::first(float t, Names& names) const {
-  std::array<float, std::tuple_size_v<Names>> entries;
-  std::size_t count = 0;
-  for (std::size_t cell = 0; cell < end(); cell = next(cell)) {
-    const float e = entry(cell);
-    if (is_removed(cell) || !(e <= t) || !is_known(cell)) continue;
-    const Key n = name(cell);
-    std::size_t at = count;
-    if (const auto same = std::find(names.begin(), names.begin() + std::ptrdiff_t(count), n) - names.begin();
-        same < std::ptrdiff_t(count)) {
-      if (entries[std::size_t(same)] <= e) continue;
-      at = std::size_t(same);
-    } else if (count < names.size()) {
-      ++count;
-    } else if (--at; entries[at] <= e) {
-      continue;
-    }
-    for (; at > 0 && entries[at - 1] > e; --at) names[at] = names[at - 1], entries[at] = entries[at - 1];
-    names[at] = n, entries[at] = e;
-  }
-  return count;
 }
 
 void KeptCells::assign(const CellList& list, float t) {
@@ -66,10 +42,5 @@ void MissingCells::restore(const KeptCells& kept) {
 }
 
 void MissingCells::remove(std::size_t cell) { words_[cell] = std::bit_cast<std::uint32_t>(CellList::removed); }
-
-std::size_t RaySearch::waits_for(CellList::Names& names) const {
-  if (!waits_) return 0;
-  return CellList(missing_.words()).first(nearest_ ? nearest_->t : std::numeric_limits<float>::infinity(), names);
-}
 
 }  // namespace meristem

@@ -2,12 +2,12 @@
 //
 // It passes through resident cells like any ray. A cell that it enters and that is not resident is noted, together with
 // the way to it from the world's objects. Noted cells that have become resident are visited, those that begin behind
-// the nearest hit so far are no longer asked for, and for the others the ray waits: for several at once, whichever
-// comes first. A cell that was never expanded before does not wait: the ray expands it as soon as it is the nearest of
-// those noted. Visiting expands the cell that it was woken for alone, goes on below it and may note more. So at least
-// the cells are visited that a ray meets which expands at once, and since of two hits at one distance the tie rule
-// decides, one visit too many changes nothing: the hit has the same bits. The list is complete from the beginning: no
-// search starts again from a distance, which would lose hits.
+// the nearest hit so far are no longer asked for, and of the others the ray waits for the one that it enters first. A
+// cell that was never expanded before does not wait: the ray expands it as soon as it is the nearest of those noted.
+// Visiting expands the cell that it was woken for alone, goes on below it and may note more. So at least the cells are
+// visited that a ray meets which expands at once, and since of two hits at one distance the tie rule decides, one visit
+// too many changes nothing: the hit has the same bits. The list is complete from the beginning: no search starts again
+// from a distance, which would lose hits.
 //
 // While it waits it holds no pointer into the geometry: what it waits for has a name and a way of indices. So the
 // cell's parents may be evicted, and are expanded again when the ray goes their way.
@@ -24,6 +24,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,8 +34,7 @@ namespace meristem {
 class CellList {
  public:
   using Words = std::span<const std::uint32_t>;
-  using Way = Words;                 // from the world's objects: instances and children by number
-  using Names = std::array<Key, 6>;  // that a ray waits for at once, at most
+  using Way = Words;  // from the world's objects: instances and children by number
 
   explicit CellList(Words words) : words_(words) {}
   // All, the removed ones among them: for (c = 0; c < end(); c = next(c)).
@@ -52,8 +52,6 @@ class CellList {
 
   // The one that the ray enters first, at or before t; end() if there is none.
   std::size_t nearest(float t) const;
-  // The names of the known ones that the ray enters first, at or before t; each once.
-  std::size_t first(float t, Names& names) const;
 
   static void append(std::vector<std::uint32_t>& words, Key name, float entry, bool is_known, Way way);
   static constexpr float removed = std::numeric_limits<float>::infinity();  // as an entry
@@ -104,9 +102,9 @@ class RaySearch {
  public:
   enum class End : std::uint8_t { Missed, Met, Waits };
 
-  // The cells that the search waits for, by names that all rays share, the nearest first; how many.
-  std::size_t waits_for(CellList::Names& names) const;
-  // Which of them goes on is to expand; else it is the nearest.
+  // The cell that the search waits for, by a name that all rays share, if it waits.
+  std::optional<Key> waits_for() const { return waits_ ? std::optional(woken_for_) : std::nullopt; }
+  // Which of its cells it is to expand when it goes on; else it is the one that it waits for.
   void wake(Key name) { woken_for_ = name; }
   // Beside the object itself.
   std::size_t bytes() const {

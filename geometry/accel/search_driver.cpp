@@ -37,10 +37,10 @@ RaySearch::End SearchDriver::go_on(const RayRoute& route, const GeometryCache& c
   }
   expand_unknown(route);
   if (has_ended() || overflows()) return RaySearch::End::Met;
-  CellList::Names names;
-  if (missing_.list().first(ray_.ray.tfar, names) == 0)
-    return context_.has_hit ? RaySearch::End::Met : RaySearch::End::Missed;
-  search_.woken_for_ = names[0];
+  const CellList list = missing_.list();
+  const std::size_t nearest = list.nearest(ray_.ray.tfar);
+  if (nearest == list.end()) return context_.has_hit ? RaySearch::End::Met : RaySearch::End::Missed;
+  search_.woken_for_ = list.name(nearest);
   return RaySearch::End::Waits;
 }
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 namespace meristem {
@@ -16,8 +17,11 @@ namespace {
 
 // Paths that memory is asked for at once.
 constexpr std::size_t chunk_paths = 1024;
-// What a thread claims: enough that the lock does not matter, few enough that others find something.
-constexpr std::size_t most_begun = 64, most_claimed = 512;
+// What a thread claims: enough that the lock does not matter, few enough that others find something. Of those that wait
+// for a cell mostly all, so that no two threads wait for one expansion.
+constexpr std::size_t most_begun = 64, most_claimed = 4096;
+// So many paths ahead of the one that is followed memory is asked for.
+constexpr std::size_t paths_ahead = 3;
 
 using Clock = std::chrono::steady_clock;
 
@@ -29,6 +33,7 @@ struct QueuedPaths::Slot {
   std::uint32_t search_bytes = 0;
   std::int8_t weight = 0;
   bool is_begun = false;
+  bool covered = false;  // once it has ended
   bool has_early = false, early_met = false;
   std::unique_ptr<SurfaceHit> early;  // an answer that came before it may be given; if it met something
   std::array<RaySearch, PathStepper::most_rays> searches;
@@ -36,6 +41,7 @@ struct QueuedPaths::Slot {
 
 // The cells that a path waits for.
 struct QueuedPaths::Wait {
+  static_assert(PathStepper::most_rays <= WaitingQueues::most_names);
   std::uint32_t id, count;
   std::array<Key, WaitingQueues::most_names> names;
 
@@ -46,9 +52,8 @@ QueuedPaths::Wait::Wait(std::uint32_t path, const Slot& slot) : id(path) {
   auto end = names.begin();
   if (!slot.is_begun) *end++ = 0;
   for (const RaySearch& search : slot.searches) {
-    CellList::Names some;
-    for (const Key name : std::span(some).first(search.waits_for(some)))
-      if (std::find(names.begin(), end, name) == end) *end++ = name;
+    const std::optional<Key> name = search.waits_for();
+    if (name && std::find(names.begin(), end, *name) == end) *end++ = *name;
   }
   count = std::uint32_t(end - names.begin());
 }
@@ -114,6 +119,7 @@ struct QueuedPaths::Worker {
   std::vector<std::uint32_t> claimed;
   Key woken_for = 0;  // the cell for which all of them waited, unless they have not begun
   std::vector<std::uint32_t> ended;
+  std::vector<FilmSample> samples;  // of those
   std::vector<Wait> waiting;
 };
 
@@ -139,7 +145,7 @@ void QueuedPaths::run(int threads, const Exchange& exchange, std::vector<RayCoun
   exhausted_ = false;
   working_ = 0;
   run_threads(threads, [&](int thread) {
-    Worker worker{exchange, thread, scene_.sampler->clone(), {}, {}, {}, {}, {}};
+    Worker worker{exchange, thread, scene_.sampler->clone(), {}, {}, {}, {}, {}, {}};
     try {
       work(worker);
     } catch (...) {
@@ -157,7 +163,9 @@ void QueuedPaths::run(int threads, const Exchange& exchange, std::vector<RayCoun
 void QueuedPaths::work(Worker& worker) {
   while (claim(worker)) {
     std::size_t done = 0;
+    for (std::size_t i = 0; i < std::min(paths_ahead, worker.claimed.size()); ++i) prefetch(worker.claimed[i]);
     for (; done < worker.claimed.size() && !worker.exchange.stopped(); ++done) {
+      if (done + paths_ahead < worker.claimed.size()) prefetch(worker.claimed[done + paths_ahead]);
       follow(worker, worker.claimed[done]);
       if (worker.thread == 0) worker.exchange.look_around();
     }
@@ -169,6 +177,8 @@ void QueuedPaths::work(Worker& worker) {
 // Those that were not followed because of a stop go back to where they waited; those that have not begun wait together.
 void QueuedPaths::hand_back(Worker& worker) {
   for (const std::uint32_t id : worker.claimed) worker.waiting.emplace_back(id, slot(id));
+  deliver(worker);
+  bool others_wait;
   {
     const std::lock_guard lock(mutex_);
     for (const Wait& wait : worker.waiting) queues_.add(std::span(wait.names).first(wait.count), wait.id);
@@ -177,9 +187,10 @@ void QueuedPaths::hand_back(Worker& worker) {
     alive_ -= worker.ended.size();
     statistics_.bytes_peak = std::max<std::uint64_t>(statistics_.bytes_peak, bytes(worker.exchange));
     --working_;
+    others_wait = sleeping_ > 0;
   }
   worker.claimed.clear(), worker.waiting.clear(), worker.ended.clear();
-  changed_.notify_all();
+  if (others_wait) changed_.notify_all();
 }
 
 // New paths before old ones: the more wait, the more a cell serves. False: there is nothing left to do.
@@ -191,10 +202,9 @@ bool QueuedPaths::claim(Worker& worker) {
     if (worker.claimed.empty() && !queues_.empty()) {
       // The longest queue and the oldest in turns. By length alone, paths of rare cells end last, keep their memory
       // from others, and leave pixels without any sample if the render is stopped; by age alone, few share a cell.
-      if (!queues_.take_from_named(serving_, most_claimed, worker.claimed))
-        serving_ = *(++statistics_.served % 4 == 0 ? queues_.take_from_oldest(most_claimed, worker.claimed)
-                                                   : queues_.take_from_longest(most_claimed, worker.claimed));
-      worker.woken_for = serving_;
+      if (!queues_.take_from_named(worker.woken_for, most_claimed, worker.claimed))
+        worker.woken_for = *(++statistics_.served % 16 == 0 ? queues_.take_from_oldest(most_claimed, worker.claimed)
+                                                            : queues_.take_from_longest(most_claimed, worker.claimed));
     }
     if (!worker.claimed.empty()) {
       ++working_;
@@ -204,11 +214,13 @@ bool QueuedPaths::claim(Worker& worker) {
       changed_.notify_all();
       return false;
     }
-    if (worker.thread != 0) {
+    ++sleeping_;
+    if (worker.thread != 0)
       changed_.wait(lock);
-      continue;
-    }
-    changed_.wait_for(lock, std::chrono::milliseconds(50));
+    else
+      changed_.wait_for(lock, std::chrono::milliseconds(50));
+    --sleeping_;
+    if (worker.thread != 0) continue;
     lock.unlock();
     worker.exchange.look_around();
     lock.lock();
@@ -234,7 +246,7 @@ void QueuedPaths::begin_paths(Worker& worker) {
 // For another path; one is always alive. The searches of paths that have just begun will grow. A slow start: until most
 // cells have been expanded once their boxes are wide, and a ray notes hundreds of them.
 bool QueuedPaths::has_room(const Exchange& exchange) {
-  constexpr std::uint64_t paths_at_start = 2048, paths_a_serving = 256;
+  constexpr std::uint64_t paths_at_start = 2048, paths_a_serving = 1024;
   if (alive_ >= paths_at_start + paths_a_serving * statistics_.served) return false;
   constexpr std::size_t usual_search_bytes = 96;
   const std::size_t searches = search_bytes_.load(std::memory_order_relaxed),
@@ -255,6 +267,16 @@ bool QueuedPaths::has_room(const Exchange& exchange) {
 std::size_t QueuedPaths::bytes(const Exchange& exchange) const {
   return exchange.bytes() + chunks_.size() * Chunk::bytes(state_words_, wants_) +
          search_bytes_.load(std::memory_order_relaxed) + queues_.bytes() + free_.capacity() * sizeof(std::uint32_t);
+}
+
+// What a path was when it began to wait has long left the processor's caches.
+void QueuedPaths::prefetch(std::uint32_t id) {
+  constexpr std::size_t cache_line = 64;
+  const auto touch = [](const void* from, std::size_t bytes) {
+    for (std::size_t at = 0; at < bytes; at += cache_line) __builtin_prefetch(static_cast<const char*>(from) + at);
+  };
+  touch(&slot(id), sizeof(Slot));
+  touch(state(id), state_words_ * sizeof(std::max_align_t));
 }
 
 // Until the path ends or waits.
@@ -283,7 +305,7 @@ void QueuedPaths::follow(Worker& worker, std::uint32_t id) {
     worker.waiting.emplace_back(id, s);
   } else {
     meter.stop();
-    deliver(worker.exchange, id, worker.rays.escaped == escaped);
+    s.covered = worker.rays.escaped == escaped;
     worker.ended.push_back(id);
   }
   std::size_t bytes = s.early ? sizeof(SurfaceHit) : 0;
@@ -332,11 +354,20 @@ RaySearch::End QueuedPaths::search(const RayRequest& request, RaySearch& search,
   return scene_.intersector->search(request.ray, request.kind == RayRequest::Kind::Any, search, hit);
 }
 
-void QueuedPaths::deliver(const Exchange& exchange, std::uint32_t id, bool covered) {
+// The samples of paths that have ended, all at once: a lock for each would cost as much as short paths do.
+void QueuedPaths::deliver(Worker& worker) {
+  worker.samples.clear();
+  for (const std::uint32_t id : worker.ended) worker.samples.push_back(film_sample(id));
+  const std::lock_guard lock(delivery_);
+  for (std::size_t i = 0; i < worker.ended.size(); ++i)
+    worker.exchange.deliver(slot(worker.ended[i]).sample, worker.samples[i]);
+}
+
+FilmSample QueuedPaths::film_sample(std::uint32_t id) {
   const Slot& s = slot(id);
   const Chunk& chunk = *chunks_[id / chunk_paths];
   FilmSample sample{
-      .radiance = stepper_.result(state(id)), .covered = covered, .weight = s.weight, .number = s.sample.number};
+      .radiance = stepper_.result(state(id)), .covered = s.covered, .weight = s.weight, .number = s.sample.number};
   if (wants_.first_surface) sample.first = &chunk.first[id % chunk_paths];
   camera_.measure(sample);
   if (wants_.costs) {
@@ -344,8 +375,7 @@ void QueuedPaths::deliver(const Exchange& exchange, std::uint32_t id, bool cover
     sample.nanoseconds = cost.nanoseconds;
     sample.expansions = cost.expansions;
   }
-  const std::lock_guard lock(delivery_);
-  exchange.deliver(s.sample, sample);
+  return sample;
 }
 
 QueueStatistics QueuedPaths::statistics() const {

@@ -1,5 +1,5 @@
 // QueuedPaths: the queued order of rays. Many paths are alive at once; a path goes on as far as resident cells take it
-// and then waits for the cells that its ray needs and that are not resident, up to six at once. When no more paths may
+// and then waits for the cells that its rays need first and that are not resident. When no more paths may
 // begin, the cell for which most of them wait is expanded, serves all of these, and each goes on until it waits again.
 // So with a small geometry cache a cell is expanded once for hundreds of rays, where paths followed one by one would
 // expand it for each.
@@ -70,7 +70,9 @@ class QueuedPaths {
   bool go_on(std::uint32_t id, const PathTools& tools);
   bool meets_light(std::uint32_t id, const PathTools& tools);
   RaySearch::End search(const RayRequest& request, RaySearch& search, SurfaceHit& hit) const;
-  void deliver(const Exchange& exchange, std::uint32_t id, bool covered);
+  void deliver(Worker& worker);
+  FilmSample film_sample(std::uint32_t id);
+  void prefetch(std::uint32_t id);
   Slot& slot(std::uint32_t id);
   void* state(std::uint32_t id);
 
@@ -88,9 +90,9 @@ class QueuedPaths {
   std::vector<std::unique_ptr<Chunk>> chunks_;
   std::vector<std::uint32_t> free_;
   WaitingQueues queues_;
-  Key serving_ = 0;  // the queue that was chosen last, until it is empty
   std::size_t alive_ = 0;
   int working_ = 0;         // threads that may come back with paths that wait
+  int sleeping_ = 0;        // threads that wait for these
   bool exhausted_ = false;  // no more samples
   bool failed_ = false;     // a worker threw
   QueueStatistics statistics_;

@@ -51,24 +51,56 @@ WaitingQueues::Index WaitingQueues::queue_named(Key name) {
 }
 
 void WaitingQueues::add(std::span<const Key> names, std::uint32_t id) {
-  if (id >= waits_.size()) waits_.resize(id + 1, none);
-  for (const Key name : names) join(id, queue_named(name));
+  while (waits_.size() <= id) waits_.grow();
+  Wait& wait = waits_[id];
+  wait.count = std::uint32_t(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Index index = wait.queues[i] = queue_named(names[i]);
+    Queue& queue = queues_[index];
+    append(queue, {id, wait.turn});
+    ++queue.length;
+    lift(queue.place);
+  }
+  entries_ += names.size(), waiting_ += names.size();
+  constexpr std::size_t few = 4096;
+  if (entries_ > few + 2 * waiting_) sweep();
 }
 
-void WaitingQueues::join(std::uint32_t id, Index index) {
-  if (free_member_ == none) {
-    free_member_ = Index(members_.grow());
-    members_[free_member_].in_another_queue = none;
+void WaitingQueues::append(Queue& queue, Entry entry) {
+  if (queue.last == none || blocks_[queue.last].count == blocks_[queue.last].entries.size()) {
+    if (free_block_ == none) free_block_ = Index(blocks_.grow());
+    const Index block = std::exchange(free_block_, blocks_[free_block_].before);
+    blocks_[block].before = std::exchange(queue.last, block);
   }
-  const Index i = free_member_;
-  Member& member = members_[i];
-  free_member_ = member.in_another_queue;
-  Queue& queue = queues_[index];
-  member = {id, index, queue.last, none, waits_[id]};
-  if (queue.last != none) members_[queue.last].after = i;
-  queue.last = waits_[id] = i;
-  ++queue.length;
-  lift(queue.place);
+  Block& last = blocks_[queue.last];
+  last.entries[last.count++] = entry;
+  ++queue.entries;
+}
+
+WaitingQueues::Entry WaitingQueues::pop(Queue& queue) {
+  Block& last = blocks_[queue.last];
+  const Entry entry = last.entries[--last.count];
+  --queue.entries;
+  if (last.count == 0) {
+    free_last_block(queue);
+    prefetch_waits(queue);
+  }
+  return entry;
+}
+
+void WaitingQueues::free_last_block(Queue& queue) {
+  Block& last = blocks_[queue.last];
+  last.count = 0;
+  const Index before = std::exchange(last.before, free_block_);
+  free_block_ = std::exchange(queue.last, before);
+}
+
+// Of the ids that will come next, and the block after theirs.
+void WaitingQueues::prefetch_waits(const Queue& queue) const {
+  if (queue.last == none) return;
+  const Block& last = blocks_[queue.last];
+  for (std::uint32_t i = 0; i < last.count; ++i) __builtin_prefetch(&waits_[last.entries[i].id]);
+  if (last.before != none) __builtin_prefetch(&blocks_[last.before]);
 }
 
 std::optional<Key> WaitingQueues::take_from_longest(std::size_t most, std::vector<std::uint32_t>& ids) {
@@ -95,29 +127,47 @@ bool WaitingQueues::lasts(const Beginning& b) const {
 
 Key WaitingQueues::take_from(Index index, std::size_t most, std::vector<std::uint32_t>& ids) {
   const Key name = queues_[index].name;
-  for (std::size_t left = std::min<std::size_t>(most, queues_[index].length); left > 0; --left) {
-    const std::uint32_t id = members_[queues_[index].last].id;
-    ids.push_back(id);
-    for (Index i = std::exchange(waits_[id], none); i != none;) {
-      Member& member = members_[i];
-      leave(member);
-      const Index next = std::exchange(member.in_another_queue, free_member_);
-      free_member_ = std::exchange(i, next);
-    }
+  prefetch_waits(queues_[index]);
+  for (std::size_t left = std::min<std::size_t>(most, queues_[index].length); left > 0;) {
+    const Entry entry = pop(queues_[index]);
+    --entries_;
+    Wait& wait = waits_[entry.id];
+    if (wait.turn != entry.turn) continue;
+    ids.push_back(entry.id);
+    ++wait.turn;
+    for (std::uint32_t i = 0; i < wait.count; ++i) leave(wait.queues[i]);
+    --left;
   }
   return name;
 }
 
-void WaitingQueues::leave(const Member& member) {
-  Queue& queue = queues_[member.queue];
-  if (member.before != none) members_[member.before].after = member.after;
-  (member.after != none ? members_[member.after].before : queue.last) = member.before;
+void WaitingQueues::leave(Index index) {
+  Queue& queue = queues_[index];
+  --waiting_;
   if (--queue.length > 0) return sink(queue.place);
-  end(member.queue);
+  end(index);
+}
+
+void WaitingQueues::sweep() {
+  for (const Index index : heap_) {
+    Queue& queue = queues_[index];
+    swept_.clear();
+    while (queue.last != none) {
+      const Block& last = blocks_[queue.last];
+      for (std::uint32_t i = last.count; i-- > 0;)
+        if (waits_[last.entries[i].id].turn == last.entries[i].turn) swept_.push_back(last.entries[i]);
+      free_last_block(queue);
+    }
+    queue.entries = 0;
+    for (std::size_t i = swept_.size(); i-- > 0;) append(queue, swept_[i]);
+  }
+  entries_ = waiting_;
 }
 
 void WaitingQueues::end(Index index) {
-  const Queue& queue = queues_[index];
+  Queue& queue = queues_[index];
+  entries_ -= std::exchange(queue.entries, 0);
+  while (queue.last != none) free_last_block(queue);
   by_name_.erase(queue.name);
   free_.push_back(index);
   const Index last = heap_.back();
@@ -131,8 +181,8 @@ void WaitingQueues::end(Index index) {
 std::size_t WaitingQueues::bytes() const {
   constexpr std::size_t node_bytes = 32;  // of the map, with what malloc adds
   return queues_.capacity() * sizeof(Queue) + (free_.capacity() + heap_.capacity()) * sizeof(Index) +
-         by_name_.size() * node_bytes + by_name_.bucket_count() * sizeof(void*) + members_.bytes() +
-         waits_.capacity() * sizeof(Index) + beginnings_.size() * sizeof(Beginning);
+         by_name_.size() * node_bytes + by_name_.bucket_count() * sizeof(void*) + blocks_.bytes() + waits_.bytes() +
+         swept_.capacity() * sizeof(Entry) + beginnings_.size() * sizeof(Beginning);
 }
 
 }  // namespace meristem

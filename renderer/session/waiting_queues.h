@@ -1,10 +1,10 @@
 // WaitingQueues: who waits for what, where most are waiting, and where for longest. Ids are small numbers; each waits
-// in a few queues and is taken from whichever is served first. A queue exists while somebody waits in it, and its name
-// is a hash. A heap of the queues finds the longest: adding an id costs a look-up and, mostly, no step in the heap for
-// each of its names; taking it the same without a look-up. Of one thread at a time.
+// in a queue or two and is taken from whichever is served first. A queue exists while somebody waits in it, and its
+// name is a hash. A heap of the queues finds the longest: adding an id costs a look-up and, mostly, no step in the heap
+// for each of its names. Who is taken stays behind in the other queues, as an entry that is passed over later: to
+// unlink it would touch memory that nothing else needs. Of one thread at a time.
 #pragma once
 
-#include "geometry/accel/ray_search.h"
 #include "geometry/base/key.h"
 #include "renderer/session/block_array.h"
 
@@ -14,7 +14,6 @@
 #include <deque>
 #include <optional>
 #include <span>
-#include <tuple>
 #include <unordered_map>
 #include <vector>
 
@@ -23,7 +22,7 @@ namespace meristem {
 class WaitingQueues {
  public:
   // In so many one may wait.
-  static constexpr std::size_t most_names = 2 * std::tuple_size_v<CellList::Names>;
+  static constexpr std::size_t most_names = 2;
   // An id that waits nowhere; at least one name, each once.
   void add(std::span<const Key> names, std::uint32_t id);
   // Appends up to `most` ids of the longest queue; the last to come go first, and wait nowhere any more. Returns the
@@ -38,21 +37,31 @@ class WaitingQueues {
   std::size_t bytes() const;
 
  private:
-  using Index = std::uint32_t;  // of a queue in queues_, or of a member
+  using Index = std::uint32_t;  // of a queue in queues_, or of a block
   static constexpr Index none = ~Index(0);
-  // An id in a queue.
-  struct Member {
-    std::uint32_t id;
-    Index queue;
-    Index before, after;     // in the queue
-    Index in_another_queue;  // of the id; of one that is free: another such
+  // An id in a queue, if that is still its turn.
+  struct Entry {
+    std::uint32_t id, turn;
+  };
+  // Of entries of one queue: a cache line.
+  struct alignas(64) Block {
+    Index before = none;  // of the queue; of one that is free: another such
+    std::uint32_t count = 0;
+    std::array<Entry, 7> entries;
   };
   struct Queue {
     Key name = 0;
-    std::uint32_t length = 0;  // 0: free for another name
-    std::uint32_t place = 0;   // in the heap
-    std::uint64_t since = 0;   // a number that grows from queue to queue
-    Index last = none;         // that came
+    std::uint32_t length = 0;   // 0: free for another name
+    std::uint32_t entries = 0;  // those of ids that were taken elsewhere among them
+    std::uint32_t place = 0;    // in the heap
+    Index last = none;          // block
+    std::uint64_t since = 0;    // a number that grows from queue to queue
+  };
+  // Where an id waits now.
+  struct Wait {
+    std::uint32_t turn = 0;  // how often it has been taken
+    std::uint32_t count = 0;
+    std::array<Index, most_names> queues;
   };
   struct Beginning {
     Index queue;
@@ -65,9 +74,13 @@ class WaitingQueues {
   bool lasts(const Beginning& b) const;
   Index queue_named(Key name);
   Key take_from(Index queue, std::size_t most, std::vector<std::uint32_t>& ids);
-  void join(std::uint32_t id, Index queue);
-  void leave(const Member& member);
+  void append(Queue& queue, Entry entry);
+  Entry pop(Queue& queue);
+  void free_last_block(Queue& queue);
+  void prefetch_waits(const Queue& queue) const;
+  void leave(Index queue);
   void end(Index queue);
+  void sweep();  // of all queues the entries of ids that are gone
   std::uint32_t length_at(std::size_t place) const { return queues_[heap_[place]].length; }
   void put(Index queue, std::size_t place);  // in the heap
   void lift(std::size_t place);
@@ -76,9 +89,11 @@ class WaitingQueues {
   std::vector<Queue> queues_;
   std::vector<Index> free_, heap_;
   std::unordered_map<Key, Index, NameIsHash> by_name_;
-  BlockArray<Member> members_;
-  Index free_member_ = none;
-  std::vector<Index> waits_;          // by id, one of its members; none: it waits nowhere
+  BlockArray<Block> blocks_;
+  Index free_block_ = none;
+  std::size_t entries_ = 0, waiting_ = 0;  // of all queues; those that have not left among them
+  std::vector<Entry> swept_;
+  BlockArray<Wait> waits_;            // by id
   std::deque<Beginning> beginnings_;  // in order, those of ended queues among them
   std::uint64_t queues_begun_ = 0;
 };

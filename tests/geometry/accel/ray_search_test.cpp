@@ -62,9 +62,8 @@ std::vector<Found> search_all(const Intersector& world, int first, int end, bool
     SurfaceHit hit;
     RaySearch& search = searches[std::size_t(i - first)];
     const RaySearch::End end_of_search = world.search(ray_of(i), any, search, hit);
-    CellList::Names names;
     if (end_of_search == RaySearch::End::Waits)
-      waiting[names[search.waits_for(names) - 1]].push_back(i);  // not the nearest
+      waiting[*search.waits_for()].push_back(i);
     else
       result[std::size_t(i - first)] =
           any ? Found{.met = end_of_search == RaySearch::End::Met} : found(end_of_search == RaySearch::End::Met, hit);
@@ -144,9 +143,7 @@ TEST(RaySearch, WaitsForWhatHasBeenForgotten) {
     RaySearch::End end = world->search(ray, false, search, hit);
     EXPECT_TRUE(i > 0 || end != RaySearch::End::Waits);
     for (; end == RaySearch::End::Waits; ++waits) {
-      CellList::Names names;
-      ASSERT_GT(search.waits_for(names), 0u);
-      search.wake(names[0]);
+      ASSERT_TRUE(search.waits_for());
       end = world->search(ray, false, search, hit);
       EXPECT_TRUE(i < count || world->statistics().cells_expanded > before);
       before = world->statistics().cells_expanded;
