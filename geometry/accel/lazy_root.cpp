@@ -26,13 +26,12 @@ Tessellation box_of(const Bounds3f& b, Key key) {
   return t;
 }
 
-void note(const CacheSlot& slot, bool is_known, Key name, float entry, const RTCRay& ray, RayContext::Search& search) {
-  if (entry <= ray.tfar && slot.state() != CacheSlot::State::Failed)
-    search.missing.note(name, entry, is_known, search.way);
+void note(const CacheSlot& slot, const CellList::Cell& cell, const RTCRay& ray, RayContext::Search& search) {
+  if (cell.entry <= ray.tfar && slot.state() != CacheSlot::State::Failed) search.missing.note(cell, search.way);
 }
 bool note_anew(bool is_known, Key name, float entry, const RTCRay& ray, RayContext::Search& search) {
-  if (search.knows || !is_known) return false;
-  if (entry <= ray.tfar) search.missing.note(name, entry, true, search.way);
+  if (search.is_exact || !is_known) return false;
+  if (entry <= ray.tfar) search.missing.note({name, entry, true, true}, search.way);
   return true;
 }
 
@@ -76,7 +75,7 @@ CellEntry* LazyRoot::entered_root(RayContext& context, const RTCRay& ray) const 
   if (context.only_resident) return resident(slot_, context);
   if (!context.search) return root(context.use);
   if (CellEntry* cell = found(slot_)) return cell;
-  note(slot_, slot_.was_expanded(), name_, root_entry(ray), ray, *context.search);
+  note(slot_, {name_, root_entry(ray), slot_.was_expanded(), true}, ray, *context.search);
   return nullptr;
 }
 
@@ -87,9 +86,17 @@ CellEntry* LazyRoot::entered_child(CellEntry& parent, std::size_t index, RayCont
   CacheSlot& slot = parent.slot(index);
   if (CellEntry* cell = found(slot)) return cell;
   const WayStep step(context, index);
-  const InnerCell& inner = *parent.inner();
-  note(slot, parent.proxies().knows(index), child_name(inner, index), parent.proxies().entry(index, span_of(ray)), ray,
-       *context.search);
+  // Outlines take time, and only of the cell that comes first it matters whether and where the ray enters it
+  const ProxyScene& proxies = parent.proxies();
+  const RaySpan span = span_of(ray);
+  CellList::Cell cell{0, proxies.box_entry(index, span), proxies.knows(index), false};
+  if (!(cell.entry <= ray.tfar)) return nullptr;
+  if (!context.search->any && context.search->missing.may_be_nearest(cell.entry)) {
+    cell.entry = proxies.entry(index, span);
+    cell.is_exact = true;
+  }
+  cell.name = child_name(*parent.inner(), index);
+  note(slot, cell, ray, *context.search);
   return nullptr;
 }
 

@@ -45,7 +45,7 @@ struct RayContext {
     std::vector<std::uint32_t>& way;  // to what is being traced
     bool any;                         // hit will do
     bool expands = false;             // the cells on the way that it follows
-    bool knows = true;                // the cell there had been expanded before it was noted
+    bool is_exact = true;             // the cell there was known when it was noted, with its entry into its outline
   };
   Search* search = nullptr;
 };

@@ -48,14 +48,18 @@ Outline::Outline(const Bounds3f& whole, std::span<const Bounds3f> boxes, float m
 }
 
 float Outline::entry(const RaySpan& ray) const {
+  // A plane is met at start + step * byte
   struct Axis {
-    __m128 start, step, inverse;
+    __m128 near_start, far_start, step;
     const std::uint8_t *near, *far;
   };
   std::array<Axis, 3> axes;
   for (std::size_t i = 0; i < 3; ++i) {
-    const float inverse = 1 / ray.direction[int(i)];  // of 0 and -0: infinities of their signs
-    axes[i] = {_mm_set1_ps(origin_[i] - ray.origin[int(i)]), _mm_set1_ps(step_[i]), _mm_set1_ps(inverse),
+    constexpr float most = 1e30f;  // instead of infinity, for a direction of 0; NaN would be passed over
+    const float inverse = std::clamp(1 / ray.direction[int(i)], -most, most);
+    const float start = (origin_[i] - ray.origin[int(i)]) * inverse, step = step_[i] * inverse;
+    const float slack = error * (std::abs(start) + 255 * std::abs(step));
+    axes[i] = {_mm_set1_ps(start - slack), _mm_set1_ps(start + slack), _mm_set1_ps(step),
                (inverse > 0 ? lower_ : upper_)[i].data(), (inverse > 0 ? upper_ : lower_)[i].data()};
   }
   const __m128 t_min = _mm_set1_ps(ray.t_min), t_max = _mm_set1_ps(ray.t_max), none = _mm_set1_ps(nowhere);
@@ -63,19 +67,15 @@ float Outline::entry(const RaySpan& ray) const {
   for (std::size_t first = 0; first < count_; first += lanes) {
     __m128 from = t_min, to = t_max;
     for (const Axis& a : axes) {
-      const auto reach = [&](const std::uint8_t* bytes) {
+      const auto reach = [&](__m128 start, const std::uint8_t* bytes) {
         std::uint32_t four;
         std::memcpy(&four, bytes + first, lanes);
         const __m128 place = _mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(int(four))));
-        return _mm_mul_ps(_mm_add_ps(a.start, _mm_mul_ps(place, a.step)), a.inverse);
+        return _mm_add_ps(start, _mm_mul_ps(place, a.step));
       };
-      // Of a direction 0 the planes are met at -infinity and infinity, or never. NaN, in the plane itself, is passed
-      // over
-      from = _mm_max_ps(reach(a.near), from);
-      to = _mm_min_ps(reach(a.far), to);
+      from = _mm_max_ps(reach(a.near_start, a.near), from);
+      to = _mm_min_ps(reach(a.far_start, a.far), to);
     }
-    from = _mm_max_ps(_mm_mul_ps(from, _mm_set1_ps(1 - error)), t_min);  // not negative
-    to = _mm_mul_ps(to, _mm_set1_ps(1 + error));
     least = _mm_min_ps(least, _mm_blendv_ps(none, from, _mm_cmple_ps(from, to)));
   }
   least = _mm_min_ps(least, _mm_movehl_ps(least, least));

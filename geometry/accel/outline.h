@@ -21,7 +21,7 @@ float earliest_entry(const Bounds3f& box, const RaySpan& ray);
 
 class Outline {
  public:
-  static constexpr std::size_t most_boxes = 32;
+  static constexpr std::size_t most_boxes = 64;
 
   // So many boxes at most; what they hold lies in `whole`, and each is made larger by `margin` on all sides.
   Outline(const Bounds3f& whole, std::span<const Bounds3f> boxes, float margin);

@@ -32,7 +32,11 @@ std::unique_ptr<const BoxScene> ProxyScene::build() const {
 }
 
 float ProxyScene::entry(std::size_t index, const RaySpan& ray) const {
-  return knows(index) ? children_->entry(index, ray) : earliest_entry(with_rounding_margin(bounds_[index]), ray);
+  return knows(index) ? children_->entry(index, ray) : box_entry(index, ray);
+}
+
+float ProxyScene::box_entry(std::size_t index, const RaySpan& ray) const {
+  return earliest_entry(knows(index) ? children_->bounds(index) : with_rounding_margin(bounds_[index]), ray);
 }
 
 void ProxyScene::pass_thresholds() {

@@ -4,9 +4,10 @@
 
 namespace meristem {
 
-void CellList::append(std::vector<std::uint32_t>& words, Key name, float entry, bool is_known, Way way) {
-  words.insert(words.end(), {std::bit_cast<std::uint32_t>(entry), std::uint32_t(name), std::uint32_t(name >> 32),
-                             std::uint32_t(way.size()) | (is_known ? known_bit : 0)});
+void CellList::append(std::vector<std::uint32_t>& words, const Cell& cell, Way way) {
+  words.insert(words.end(), {std::bit_cast<std::uint32_t>(cell.entry),
+                             std::uint32_t(cell.name) << flag_bits | (cell.is_known ? known_bit : 0) |
+                                 (cell.is_exact ? exact_bit : 0) | std::uint32_t(way.size())});
   words.insert(words.end(), way.begin(), way.end());
 }
 
@@ -23,22 +24,38 @@ void KeptCells::assign(const CellList& list, float t) {
   for (std::size_t cell = 0; cell < list.end(); cell = list.next(cell))
     size += is_left(cell) ? list.next(cell) - cell : 0;
   size_ = std::uint32_t(size);
-  more_ = size > few_.size() ? std::make_unique_for_overwrite<std::uint32_t[]>(size) : nullptr;
+  if (size <= few_.size()) {
+    more_.reset();
+  } else if (!more_ || size > capacity_ || 2 * size < capacity_) {  // else it is used again
+    more_ = std::make_unique_for_overwrite<std::uint32_t[]>(size);
+    capacity_ = std::uint32_t(size);
+  }
   std::uint32_t* to = more_ ? more_.get() : few_.data();
   for (std::size_t cell = 0; cell < list.end(); cell = list.next(cell))
     if (is_left(cell)) to = std::ranges::copy(list.words(cell), to).out;
 }
 
-void MissingCells::note(Key name, float entry, bool is_known, CellList::Way way) {
+void MissingCells::note(const CellList::Cell& cell, CellList::Way way) {
+  if (way.size() > CellList::longest_way) count_ = most_cells;
   if (++count_ > most_cells) return;
-  CellList::append(words_, name, entry, is_known, way);
+  if (cell.is_known && cell.is_exact) nearest_exact_ = std::min(nearest_exact_, cell.entry);
+  CellList::append(words_, cell, way);
 }
 
 void MissingCells::restore(const KeptCells& kept) {
   const CellList::Words words = kept.words();
   words_.assign(words.begin(), words.end());
   count_ = 0;
+  nearest_exact_ = CellList::removed;
   for (std::size_t cell = 0; cell < words.size(); cell = list().next(cell)) ++count_;
+}
+
+void RaySearch::wake(Key name) {
+  const CellList list(missing_.words());
+  std::size_t cell = 0;
+  while (cell < list.end() && list.name(cell) != name) cell = list.next(cell);
+  sleeps_ = waits_ && cell == list.end();
+  if (!sleeps_) woken_for_ = name;
 }
 
 void MissingCells::remove(std::size_t cell) { words_[cell] = std::bit_cast<std::uint32_t>(CellList::removed); }

@@ -42,9 +42,12 @@ class CellList {
   std::size_t next(std::size_t cell) const { return cell + header + way_length(cell); }
   float entry(std::size_t cell) const { return std::bit_cast<float>(words_[cell]); }
   bool is_removed(std::size_t cell) const { return entry(cell) == removed; }
-  // Whether it had been expanded before it was noted, so that its entry is that into its outline.
-  bool is_known(std::size_t cell) const { return words_[cell + 3] & known_bit; }
-  Key name(std::size_t cell) const { return words_[cell + 1] | Key(words_[cell + 2]) << 32; }
+  // Whether it had been expanded before it was noted,
+  bool is_known(std::size_t cell) const { return words_[cell + 1] & known_bit; }
+  // and whether its entry is that into its outline, and not only into its box.
+  bool is_exact(std::size_t cell) const { return words_[cell + 1] & exact_bit; }
+  // The last bits of it. Cells that share them are waited for and expanded together: that costs time, and no more.
+  Key name(std::size_t cell) const { return words_[cell + 1] >> flag_bits; }
   Way way(std::size_t cell) const { return words_.subspan(cell + header, way_length(cell)); }
 
   // All of one.
@@ -53,15 +56,22 @@ class CellList {
   // The one that the ray enters first, at or before t; end() if there is none.
   std::size_t nearest(float t) const;
 
-  static void append(std::vector<std::uint32_t>& words, Key name, float entry, bool is_known, Way way);
+  struct Cell {
+    Key name;
+    float entry;
+    bool is_known, is_exact;
+  };
+  static void append(std::vector<std::uint32_t>& words, const Cell& cell, Way way);
+  static constexpr std::size_t longest_way = 63;
   static constexpr float removed = std::numeric_limits<float>::infinity();  // as an entry
 
  private:
-  // One after another: the bits of the entry, the name in two words, the length of the way and whether it is known, the
+  // One after another: the bits of the entry; the name, whether it is known and exact and the length of the way; the
   // way.
-  static constexpr std::size_t header = 4;
-  static constexpr std::uint32_t known_bit = std::uint32_t(1) << 31;
-  std::size_t way_length(std::size_t cell) const { return words_[cell + 3] & ~known_bit; }
+  static constexpr std::size_t header = 2;
+  static constexpr int flag_bits = 8;
+  static constexpr std::uint32_t known_bit = 64, exact_bit = 128;
+  std::size_t way_length(std::size_t cell) const { return words_[cell + 1] & longest_way; }
 
   Words words_;
 };
@@ -72,13 +82,13 @@ class KeptCells {
   // Those of a list that the ray enters at or before t.
   void assign(const CellList& list, float t);
   CellList::Words words() const { return {more_ ? more_.get() : few_.data(), size_}; }
-  std::size_t bytes_beside() const { return more_ ? size_ * sizeof(std::uint32_t) + malloc_bytes : 0; }
+  std::size_t bytes_beside() const { return more_ ? capacity_ * sizeof(std::uint32_t) + malloc_bytes : 0; }
   static constexpr std::size_t malloc_bytes = 16;  // that an allocation takes beside
 
  private:
   std::array<std::uint32_t, 16> few_;
   std::unique_ptr<std::uint32_t[]> more_;
-  std::uint32_t size_ = 0;
+  std::uint32_t size_ = 0, capacity_ = 0;  // of what there is more
 };
 
 // Such a list while it grows.
@@ -88,7 +98,9 @@ class MissingCells {
   static constexpr std::size_t most_cells = 1024;
   bool overflows() const { return count_ > most_cells; }
 
-  void note(Key name, float entry, bool is_known, CellList::Way way);
+  void note(const CellList::Cell& cell, CellList::Way way);
+  // Whether a cell that is entered there might be the nearest of those that were noted with exact entries.
+  bool may_be_nearest(float entry) const { return entry < nearest_exact_; }
   CellList list() const { return CellList(words_); }  // until the next is noted
   void remove(std::size_t cell);
   void restore(const KeptCells& kept);
@@ -96,6 +108,7 @@ class MissingCells {
  private:
   std::vector<std::uint32_t> words_;
   std::uint32_t count_ = 0;  // noted, the removed ones among them
+  float nearest_exact_ = CellList::removed;
 };
 
 class RaySearch {
@@ -104,8 +117,10 @@ class RaySearch {
 
   // The cell that the search waits for, by a name that all rays share, if it waits.
   std::optional<Key> waits_for() const { return waits_ ? std::optional(woken_for_) : std::nullopt; }
-  // Which of its cells it is to expand when it goes on; else it is the one that it waits for.
-  void wake(Key name) { woken_for_ = name; }
+  // Which of its cells it is to expand when it goes on; else it is the one that it waits for. If that is none of its
+  // cells it sleeps on.
+  void wake(Key name);
+  bool sleeps() const { return sleeps_; }
   // Beside the object itself.
   std::size_t bytes() const {
     return missing_.bytes_beside() + (nearest_ ? sizeof(*nearest_) + KeptCells::malloc_bytes : 0);
@@ -116,7 +131,7 @@ class RaySearch {
   KeptCells missing_;
   std::unique_ptr<SurfaceHit> nearest_;  // so far, if there is one
   Key hit_key_ = 0, woken_for_ = 0;
-  bool waits_ = false;
+  bool waits_ = false, sleeps_ = false;
 };
 
 }  // namespace meristem

@@ -35,25 +35,28 @@ RaySearch::End SearchDriver::go_on(const RayRoute& route, const GeometryCache& c
   } else {
     route.intersect(context_, ray_);
   }
-  expand_unknown(route);
+  const std::size_t nearest = settle_nearest(route);
   if (has_ended() || overflows()) return RaySearch::End::Met;
-  const CellList list = missing_.list();
-  const std::size_t nearest = list.nearest(ray_.ray.tfar);
-  if (nearest == list.end()) return context_.has_hit ? RaySearch::End::Met : RaySearch::End::Missed;
-  search_.woken_for_ = list.name(nearest);
+  if (nearest == missing_.list().end()) return context_.has_hit ? RaySearch::End::Met : RaySearch::End::Missed;
+  search_.woken_for_ = missing_.list().name(nearest);
   return RaySearch::End::Waits;
 }
 
-// What a cell that was never expanded is like nobody knows, and its box is wide; waiting rays would note hundreds of
-// them. It has to be expanded once in any case, so the first ray that certainly needs it does not wait.
-void SearchDriver::expand_unknown(const RayRoute& route) {
+// Of a known cell it is asked whether the ray enters its outline, and where, unless its parent is not there. What a
+// cell that was never expanded is like nobody knows, and its box is wide; waiting rays would note hundreds of them. It
+// has to be expanded once in any case, so the first ray that certainly needs it does not wait.
+std::size_t SearchDriver::settle_nearest(const RayRoute& route) {
   while (!has_ended() && !overflows()) {
     const std::size_t nearest = missing_.list().nearest(ray_.ray.tfar);
-    if (nearest == missing_.list().end() || missing_.list().is_known(nearest)) return;
-    state_.expands = true;
+    if (nearest == missing_.list().end()) return nearest;
+    const bool is_known = missing_.list().is_known(nearest);
+    if (is_known && missing_.list().is_exact(nearest)) return nearest;
+    state_.expands = !is_known;
     visit(route, [&](const CellList&, std::size_t cell) { return cell == nearest; });
     state_.expands = false;
+    if (is_known && !missing_.list().is_removed(nearest)) return nearest;
   }
+  return missing_.list().end();
 }
 
 template <class IsAsked>
@@ -64,7 +67,7 @@ void SearchDriver::visit(const RayRoute& route, IsAsked is_asked) {
     if (list.is_removed(cell) || !(list.entry(cell) <= ray_.ray.tfar) || !is_asked(list, cell)) continue;
     const CellList::Way way = list.way(cell);
     target.assign(way.begin(), way.end());  // the list grows while it is followed
-    state_.knows = list.is_known(cell);
+    state_.is_exact = list.is_known(cell) && list.is_exact(cell);
     if (route.follow(target, context_, ray_)) missing_.remove(cell);
   }
 }

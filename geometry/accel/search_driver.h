@@ -25,7 +25,8 @@ class SearchDriver {
 
  private:
   bool has_ended() const { return state_.any && ray_.ray.tfar < 0; }
-  void expand_unknown(const RayRoute& route);
+  // The known cell that comes first, once all before it have been visited or left out; the list's end if there is none.
+  std::size_t settle_nearest(const RayRoute& route);
   // Noted cells that are asked for, as far as they are resident or it expands.
   template <class IsAsked>
   void visit(const RayRoute& route, IsAsked is_asked);

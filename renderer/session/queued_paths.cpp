@@ -314,7 +314,8 @@ void QueuedPaths::follow(Worker& worker, std::uint32_t id) {
   s.search_bytes = std::uint32_t(bytes);
 }
 
-// Whether the path waits now. Both rays of a vertex are searched in every turn; the second is answered after the first.
+// Whether the path waits now. Both rays of a vertex are searched, at first and when a cell comes up that both enter;
+// the second is answered after the first.
 bool QueuedPaths::go_on(std::uint32_t id, const PathTools& tools) {
   Slot& s = slot(id);
   void* const path = state(id);
@@ -351,6 +352,7 @@ bool QueuedPaths::meets_light(std::uint32_t id, const PathTools& tools) {
 }
 
 RaySearch::End QueuedPaths::search(const RayRequest& request, RaySearch& search, SurfaceHit& hit) const {
+  if (search.sleeps()) return RaySearch::End::Waits;
   return scene_.intersector->search(request.ray, request.kind == RayRequest::Kind::Any, search, hit);
 }
 

@@ -62,10 +62,9 @@ std::uint32_t SampleOrder::add(const PixelSample& at, const FilmSample& sample) 
   }
   film_.add(at.x, at.y, sample);
   std::uint32_t added = 1;
-  const auto waiting = first_kept_.find(pixel);
-  if (waiting == first_kept_.end()) return added;
+  if (first_kept_.empty()) return added;
   // In the order of their numbers
-  Index& first = waiting->second;
+  Index& first = first_kept_[pixel];
   while (first != none && is_next(kept_[first].number)) {
     film_.add(at.x, at.y, kept(first));
     ++added;
@@ -74,7 +73,6 @@ std::uint32_t SampleOrder::add(const PixelSample& at, const FilmSample& sample) 
     free_ = first;
     first = next;
   }
-  if (first == none) first_kept_.erase(waiting);
   return added;
 }
 
@@ -87,7 +85,9 @@ void SampleOrder::keep(std::size_t pixel, const FilmSample& sample) {
   }
   const Index i = free_;
   free_ = kept_[i].next;
-  Index* place = &first_kept_.try_emplace(pixel, none).first->second;
+  if (first_kept_.empty())
+    first_kept_.resize(std::size_t(film_.window().width()) * std::size_t(film_.window().height()), none);
+  Index* place = &first_kept_[pixel];
   while (*place != none && kept_[*place].number < sample.number) place = &kept_[*place].next;
   kept_[i] = {sample.radiance, sample.number, *place, std::int8_t(sample.weight), sample.covered};
   *place = i;
@@ -108,9 +108,7 @@ FilmSample SampleOrder::kept(Index i) const {
 }
 
 void SampleOrder::count_bytes() {
-  constexpr std::size_t node_bytes = 32;  // of the map, with what malloc adds
-  bytes_.store(kept_.bytes() + surfaces_.bytes() + costs_.bytes() + first_kept_.size() * node_bytes +
-                   first_kept_.bucket_count() * sizeof(void*),
+  bytes_.store(kept_.bytes() + surfaces_.bytes() + costs_.bytes() + first_kept_.capacity() * sizeof(Index),
                std::memory_order_relaxed);
 }
 

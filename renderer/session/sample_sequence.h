@@ -9,7 +9,6 @@
 #include "renderer/session/camera_paths.h"
 
 #include <atomic>
-#include <unordered_map>
 #include <vector>
 
 namespace meristem {
@@ -86,7 +85,7 @@ class SampleOrder {
   BlockArray<Surface> surfaces_;
   BlockArray<Cost> costs_;
   Index free_ = none;
-  std::unordered_map<std::size_t, Index> first_kept_;  // by pixel; few
+  std::vector<Index> first_kept_;  // by pixel; empty before there is one
   std::atomic<std::size_t> bytes_{0};
 };
 
