@@ -255,7 +255,8 @@ bool QueuedPaths::has_room(const Exchange& exchange) {
   // there are, the more paths of chunks would be idle.
   const std::size_t early_samples = std::max(exchange.bytes(), most_bytes_ / 8) - exchange.bytes();
   const std::size_t new_chunk = free_.empty() ? Chunk::bytes(state_words_, wants_) + early_samples : 0;
-  if (alive_ > 0 && bytes(exchange) + to_come + new_chunk > most_bytes_) return false;
+  const std::size_t in_hands = most_bytes_ / 64;  // what paths that threads follow now come back with
+  if (alive_ > 0 && bytes(exchange) + to_come + new_chunk + in_hands > most_bytes_) return false;
   if (!free_.empty()) return true;
   if (chunks_.size() == chunks_.capacity()) return false;
   const std::size_t first = chunks_.size() * chunk_paths;
