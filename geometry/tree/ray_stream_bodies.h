@@ -38,7 +38,7 @@ struct Lane {
   bool take();
   bool take_next();
   bool meet_block_here();
-  bool meet_end();
+  bool enter_strand();
   void choose();
   void prefetch() const;
 };
@@ -115,11 +115,8 @@ MERISTEM_INLINE bool Lane::meet_block_here() {
   }
 }
 
-MERISTEM_INLINE bool Lane::meet_end() {
-  if (in_tree) {
-    if (meet_block_here() && any) count = bottom;
-    return take_next();
-  }
+// Enters a tree, or whatever else stands at the end of a braid. Strands are few and mostly near.
+MERISTEM_INLINE bool Lane::enter_strand() {
   const Braid::Strand& strand = braid.strands[child & ~is_end];
   if (strand.nodes) {
     enter_tree(strand);
@@ -158,10 +155,8 @@ MERISTEM_INLINE void Lane::choose() {
 MERISTEM_INLINE void Lane::prefetch() const {
   if (!(child & is_end))
     prefetch_node(nodes[child]);
-  else if (in_tree)
-    OfTree{tree}.prefetch(nodes[(child & ~is_end) / 8], child % 8);
   else
-    _mm_prefetch(reinterpret_cast<const char*>(braid.strands + (child & ~is_end)), _MM_HINT_T0);
+    OfTree{tree}.prefetch(nodes[(child & ~is_end) / 8], child % 8);
 }
 
 MERISTEM_INLINE void Lane::test() {
@@ -171,13 +166,14 @@ MERISTEM_INLINE void Lane::test() {
 }
 
 MERISTEM_INLINE bool Lane::go_on() {
-  if (child & is_end) {
-    if (!meet_end()) return false;
-  } else if (met != 0) {
+  if (!(child & is_end) && met != 0) {
     choose();
-  } else if (!take_next()) {
-    return false;
+  } else {
+    if ((child & is_end) && meet_block_here() && any) count = bottom;
+    if (!take_next()) return false;
   }
+  while ((child & is_end) && !in_tree)
+    if (!enter_strand()) return false;
   prefetch();
   return true;
 }

@@ -136,7 +136,7 @@ def compare(meristem, name, samples, folder):
         if "image" in m:
             m["image"] = str(folder / m["image"])
     job.write_text(json.dumps({**scene, "materials": materials, "mesh": str(mesh), "camera": CAMERA, "size": SIZE,
-                               "samples": [samples], "max_bounces": BOUNCES, "threads": 2,
+                               "samples": [samples], "max_bounces": BOUNCES - 1, "threads": 2,
                                "image": str(folder / "cycles.exr")}))
     run("blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P", HERE / "cycles_render.py",
         "--", job)

@@ -20,7 +20,7 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 FEW, MORE, MOST = 4, 36, 260  # samples
-BOUNCES = 4
+BOUNCES = 4  # as render.max_depth counts them: 1 is direct light. Cycles counts one less
 CAMERA = {"from": [0, 5, 12], "to": [0, 0.5, 0], "up": [0, 1, 0], "fov": 40}
 SKY = [0.5, 0.6, 0.8]
 SUN = {"direction": [0.56, -0.8, -0.2], "irradiance": 3, "angle": 0}
@@ -43,7 +43,7 @@ def a_sample(few, more, count=MORE):
 
 def blender(job, folder):
     path = folder / "job.json"
-    path.write_text(json.dumps({"size": [2, 2], "max_bounces": BOUNCES, "threads": 2, "samples": []} | job))
+    path.write_text(json.dumps({"size": [2, 2], "max_bounces": BOUNCES - 1, "threads": 2, "samples": []} | job))
     return run(["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P",
                 HERE / "cycles_render.py", "--", path])[0]
 
@@ -70,7 +70,7 @@ def cycles(folder, size, threads):
 def embree(folder, size, threads):
     view = [x for name, key in (("--vp", "from"), ("--vi", "to"), ("--vu", "up")) for x in [name, *CAMERA[key]]]
     command = ["pathtracer", "-i", folder / "terrain.xml", "--size", *size, *view, "--fov", CAMERA["fov"],
-               "--righthanded", "--spp", 1, "--max-path-length", BOUNCES + 1, "--ambientlight", *SKY,
+               "--righthanded", "--spp", 1, "--max-path-length", BOUNCES, "--ambientlight", *SKY,
                "--directionallight", *SUN["direction"], *[SUN["irradiance"]] * 3, "--threads", threads, "--benchmark"]
     return lambda: a_sample(run([*command, 0, FEW])[1], run([*command, 0, MORE])[1])
 
