@@ -68,7 +68,7 @@ struct ActivitySpan {
 
 struct ThreadProfile {
   double expand_s = 0, build_s = 0, wait_s = 0;  // expand_s without build_s
-  double trace_s = 0;  // in trees, without the three above; an estimate from a sample of rays
+  double trace_s = 0;  // in trees, without the three above; an estimate from a sample of rays, which go alone
   std::uint64_t expansions = 0, waits = 0, rays = 0;
   std::vector<ActivitySpan> spans;  // in order
   std::uint32_t span_stride = 1;    // every so many-th is kept
