@@ -15,6 +15,7 @@ class NodeWriter {
     _mm_store_ps(lower_, box.lower);
     alignas(16) float upper[4];
     _mm_store_ps(upper, box.upper);
+    node_.grid = SurfaceTree::none;
     for (int axis = 0; axis < 3; ++axis) {
       node_.origin[axis] = lower_[axis];
       // The least power of two of which 255 steps are enough.
@@ -39,16 +40,17 @@ class NodeWriter {
     node_.stride[child] = std::uint16_t(stride);
     node_.shape[child] = std::uint8_t(shape);
   }
-  void add_grid(std::uint32_t grid) {
-    node_.grid = has_grid_ && node_.grid != grid ? SurfaceTree::none : grid;
-    has_grid_ = true;
+  // All grids before the first of their quads.
+  void add_grid(std::uint32_t grid) { node_.grid = std::min(node_.grid, grid); }
+  void add_quads(const Box& box, const Source& quads) {
+    node_.grids_further |= std::min(quads.grid - node_.grid, 15u) << (4 * node_.children);
+    add(box, quads.first, quads.stride, quads.columns + 16u * quads.rows);
   }
   void add_node(const Box& box, std::size_t index) { add(box, std::uint32_t(index), 0, 0); }
   const SurfaceTree::Node& node() const { return node_; }
 
  private:
   SurfaceTree::Node node_;
-  bool has_grid_ = false;
   alignas(16) float lower_[4];
   double steps_[3];
 };

@@ -62,8 +62,10 @@ SurfaceTree::Triangle SurfaceTree::triangle(std::uint32_t met) const {
   if (stride == 0) return {triangles_[first + place], first + place, none};
   const std::uint32_t quad = place % 4, v00 = first + quad % 2 + quad / 2 * stride, v10 = v00 + 1, v01 = v00 + stride,
                       v11 = v01 + 1;
-  if (place < 4) return {{v00, v10, v01}, none, node.grid};
-  return {{v11, v01, v10}, none, node.grid};
+  const std::uint32_t further = node.grids_further >> (4 * child) & 15,
+                      grid = further < 15 ? node.grid + further : none;
+  if (place < 4) return {{v00, v10, v01}, none, grid};
+  return {{v11, v01, v10}, none, grid};
 }
 
 namespace {

@@ -60,7 +60,7 @@ class SurfaceTree {
   struct Triangle {
     std::array<std::uint32_t, 3> corners;
     std::uint32_t index;  // in the list; none: of a grid
-    std::uint32_t grid;   // none: see the corners
+    std::uint32_t grid;   // none, rarely: see the corners
   };
   Triangle triangle(std::uint32_t met) const;
 
@@ -89,7 +89,8 @@ class SurfaceTree {
     std::uint32_t first[8];
     std::uint16_t stride[8];
     std::uint8_t shape[8];
-    std::uint32_t grid;  // of all its quads; none: of several
+    std::uint32_t grid;           // the first of those that its quads are of; none: there are none
+    std::uint32_t grids_further;  // by child, four bits of how many grids later its own comes; 15: so many or more
   };
   static_assert(sizeof(Node) == 128);
 

@@ -57,7 +57,7 @@ class Builder {
     for (const Item& item : grids) writer.add_grid(item.source.grid);
     for (const Item& item : grids)
       cut(item.source, 2, 2, [&](const Source& b) {
-        writer.add(vertices_.corners_of(b).box, b.first, b.stride, b.columns + 16u * b.rows);
+        writer.add_quads(vertices_.corners_of(b).box, b);
         ++blocks;
       });
     const auto triangles = range.items.first(range.items.size() - grids.size());
