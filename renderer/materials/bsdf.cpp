@@ -27,6 +27,7 @@ void Bsdf::set_frame(const ShadingPoint& point) {
   geometric_normal_ = point.hit.geometric_normal * side;
   frame_ = Frame(visible_normal(point.hit.shading_normal * side, geometric_normal_, point.wo));
   inside_ = side < 0 && glass > 0 && !thin_walled;
+  is_lambertian_ = is_lambertian();
   const float cosine = dot(frame_.n, point.wo);
   if (f0 > 0) specular_albedo_ = ggx::Albedo::dielectric(alpha, f0);
   if (fuzz > 0) fibers_ = fuzz::Fibers(fuzz_roughness);
@@ -214,13 +215,24 @@ Spectrum Bsdf::albedo() const {
   return base * (1 - metalness) + metal_f0 * (metal_weight * metalness);
 }
 
+Bsdf::Scattered Bsdf::lambertian(float cos_i) const {
+  if (cos_i > 0) return {diffuse / pi_f, shares_.diffuse * cos_i / pi_f};
+  return {transmitted / pi_f, shares_.transmitted * -cos_i / pi_f};
+}
+
 Bsdf::Scattered Bsdf::scattered(Vec3f wo_world, Vec3f wi_world) const {
-  const Vec3f wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
-  if (!same_side(wo_world) || !(wo.z > 0)) return {};
+  const float cos_o = dot(frame_.n, wo_world), cos_i = dot(frame_.n, wi_world);
+  if (!same_side(wo_world) || !(cos_o > 0)) return {};
   const bool reflects = same_side(wi_world);
-  if (reflects ? !(wi.z > 0) : !(wi.z < 0)) return {};
-  Scattered s = reflects ? reflected(wo, wi) : passed_through(wo, wi);
-  s.value *= reflects ? wi.z * terminator(wi_world) : -wi.z;
+  if (reflects ? !(cos_i > 0) : !(cos_i < 0)) return {};
+  Scattered s;
+  if (is_lambertian_) {
+    s = lambertian(cos_i);
+  } else {
+    const Vec3f wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
+    s = reflects ? reflected(wo, wi) : passed_through(wo, wi);
+  }
+  s.value *= reflects ? cos_i * terminator(wi_world) : -cos_i;
   return s;
 }
 

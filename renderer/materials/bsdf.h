@@ -107,6 +107,9 @@ struct Bsdf {
   float eta() const;  // of the glass, from the side of wo
   float glass_fresnel(float cosine) const;
   float glass_gain(float cos_o) const;
+  // Nothing but Lambert's law on both sides: only cosines matter.
+  bool is_lambertian() const { return !mirrors() && !layered() && !(diffuse_roughness > 0); }
+  Scattered lambertian(float cos_i) const;
   Scattered reflected(Vec3f wo, Vec3f wi) const;
   Scattered layers_reflected(Vec3f wo, Vec3f wi) const;
   Scattered passed_through(Vec3f wo, Vec3f wi) const;
@@ -120,6 +123,7 @@ struct Bsdf {
   Vec3f geometric_normal_{0, 0, 1};            // on the side of wo
   Frame frame_;                                // around the shading normal, on the side of wo
   bool inside_ = false;                        // wo is where the glass is
+  bool is_lambertian_ = false;                 // is_lambertian()
   ggx::Albedo specular_albedo_, coat_albedo_;  // of the dielectric if f0 > 0, of the coat if there is one
   fuzz::Fibers fibers_;                        // if there is fuzz
   RoughDiffuse rough_;                         // if the base is rough
