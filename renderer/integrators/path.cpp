@@ -249,9 +249,9 @@ class Walk {
         s_.sum += s_.throughput * light.background(direction, s_.spread);
         continue;
       }
-      const Spectrum radiance = light.escaped(direction);
-      if (radiance == Spectrum{}) continue;
-      s_.sum += s_.throughput * radiance * weight_met(i, light.pdf_escaped(direction));
+      const EscapedLight escaped = light.escaped(direction);
+      if (escaped.radiance == Spectrum{}) continue;
+      s_.sum += s_.throughput * escaped.radiance * weight_met(i, escaped.pdf);
     }
   }
 

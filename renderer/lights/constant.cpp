@@ -21,8 +21,7 @@ class Constant : public Light {
     s.pdf = uniform_cone_pdf(2);
     return s;
   }
-  Spectrum escaped(Vec3f) const override { return radiance_; }
-  float pdf_escaped(Vec3f) const override { return uniform_cone_pdf(2); }
+  EscapedLight escaped(Vec3f) const override { return {radiance_, uniform_cone_pdf(2)}; }
   float environment_power() const override { return luminance(radiance_) * 4 * pi_f; }
 
  private:

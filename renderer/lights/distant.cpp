@@ -42,8 +42,9 @@ class Distant : public Light {
     }
     return s;
   }
-  Spectrum escaped(Vec3f d) const override { return inside(d) ? radiance_ : Spectrum{}; }
-  float pdf_escaped(Vec3f d) const override { return inside(d) ? uniform_cone_pdf(width_) : 0; }
+  EscapedLight escaped(Vec3f d) const override {
+    return inside(d) ? EscapedLight{radiance_, uniform_cone_pdf(width_)} : EscapedLight{};
+  }
   float environment_power() const override { return luminance(irradiance_); }
 
  private:

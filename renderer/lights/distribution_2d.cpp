@@ -20,9 +20,19 @@ double accumulate(std::vector<double>::iterator first, std::vector<double>::iter
   return total;
 }
 
+// In which step of a running sum each of `count` equal parts of [0, 1) begins: appended to `firsts`.
+void append_firsts(const double* ends, int count, std::vector<std::uint32_t>& firsts) {
+  for (int part = 0, i = 0; part < count; ++part) {
+    while (i + 1 < count && ends[i] <= double(part) / count) ++i;
+    firsts.push_back(std::uint32_t(i));
+  }
+}
+
 // The step of a running sum that a uniform number falls in, and where inside it, in [0, 1).
-int pick(const double* ends, int count, double random, float& inside) {
-  const int i = std::min(int(std::upper_bound(ends, ends + count, random) - ends), count - 1);
+int pick(const double* ends, const std::uint32_t* firsts, int count, double random, float& inside) {
+  const int part = std::min(int(random * count), count - 1);
+  const int first = int(firsts[part]), last = part + 1 < count ? int(firsts[part + 1]) : count - 1;
+  const int i = std::min(int(std::upper_bound(ends + first, ends + last + 1, random) - ends), last);
   const double start = i > 0 ? ends[i - 1] : 0;
   inside = std::min(float((random - start) / (ends[i] - start)), 0x1.fffffep-1f);
   return i;
@@ -40,15 +50,18 @@ Distribution2D::Distribution2D(std::vector<float> weights, int width, int height
   for (int y = 0; y < height; ++y) {
     const auto row = cell_ends_.begin() + std::ptrdiff_t(y) * width;
     row_ends_.push_back(accumulate(row, row + width));
+    append_firsts(&*row, width, first_cells_);
   }
   const double total = accumulate(row_ends_.begin(), row_ends_.end());
+  append_firsts(row_ends_.data(), height, first_rows_);
   for (float& d : density_) d = total > 0 ? float(d * double(density_.size()) / total) : 1.f;
 }
 
 Vec2f Distribution2D::sample(Vec2f random) const {
   float in_x = 0, in_y = 0;
-  const int y = pick(row_ends_.data(), height_, random.y, in_y);
-  const int x = pick(cell_ends_.data() + std::ptrdiff_t(y) * width_, width_, random.x, in_x);
+  const int y = pick(row_ends_.data(), first_rows_.data(), height_, random.y, in_y);
+  const std::ptrdiff_t row = std::ptrdiff_t(y) * width_;
+  const int x = pick(cell_ends_.data() + row, first_cells_.data() + row, width_, random.x, in_x);
   return {(float(x) + in_x) / float(width_), (float(y) + in_y) / float(height_)};
 }
 

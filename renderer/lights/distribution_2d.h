@@ -1,9 +1,10 @@
 // Distribution2D: samples the unit square with a density that is constant on each cell of a grid. Immutable; any
-// thread; a sample costs two binary searches.
+// thread; a sample costs the same for any size: tables say where to look.
 #pragma once
 
 #include "geometry/base/vec.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace meristem {
@@ -24,6 +25,8 @@ class Distribution2D {
   std::vector<float> density_;
   std::vector<double> row_ends_;   // cumulative weight of whole rows, ends at 1
   std::vector<double> cell_ends_;  // cumulative inside each row, ends at 1
+  // Of as many equal steps of the random number as there are rows, or cells in a row: where each begins.
+  std::vector<std::uint32_t> first_rows_, first_cells_;
 };
 
 }  // namespace meristem

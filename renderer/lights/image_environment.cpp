@@ -32,21 +32,18 @@ class ImageEnvironment : public Light {
 
   LightSample sample(Vec3f, Vec2f random) const override {
     LightSample s;
-    s.direction = to_direction(distribution_.sample(random));
+    const Vec2f place = distribution_.sample(random);
+    s.direction = to_direction(place);
     s.distance = std::numeric_limits<float>::infinity();
-    s.radiance = escaped(s.direction);
-    s.pdf = pdf_escaped(s.direction);
+    const EscapedLight light = light_at(place, s.direction);
+    s.radiance = light.radiance;
+    s.pdf = light.pdf;
     return s;
   }
 
-  Spectrum escaped(Vec3f d) const override { return image_.at(to_image(d)); }
+  EscapedLight escaped(Vec3f d) const override { return light_at(to_image(d), d); }
   Spectrum background(Vec3f d, float spread) const override { return image_.mean(to_image(d), filter_ * spread); }
   bool has_texture() const override { return filter_ > 0; }
-
-  float pdf_escaped(Vec3f d) const override {
-    const float sine = std::sqrt(std::max(0.f, 1 - d.y * d.y));
-    return sine > 0 ? distribution_.pdf(to_image(d)) / (2 * pi_f * pi_f * sine) : 0;
-  }
 
   float environment_power() const override { return flux_; }
 
@@ -93,6 +90,12 @@ class ImageEnvironment : public Light {
     }
     flux_ = float(flux * 2 * pi * pi / (double(width) * height));
     distribution_ = Distribution2D(std::move(weights), width, height);
+  }
+
+  // Of a direction that is seen at this place of the image.
+  EscapedLight light_at(Vec2f place, Vec3f d) const {
+    const float sine = std::sqrt(std::max(0.f, 1 - d.y * d.y));
+    return {image_.at(place), sine > 0 ? distribution_.pdf(place) / (2 * pi_f * pi_f * sine) : 0};
   }
 
   Vec2f to_image(Vec3f d) const {

@@ -51,26 +51,22 @@ class Sky : public Light {
   }
 
   LightSample sample(Vec3f, Vec2f random) const override {
-    LightSample s;
-    s.distance = std::numeric_limits<float>::infinity();
-    s.direction = pick_direction(random);
-    s.radiance = escaped(s.direction);
-    s.pdf = pdf_escaped(s.direction);
-    return s;
+    if (random.x < sun_share_)
+      return sample_of(normalize(sun_frame_.to_world(uniform_cone(sun_width_, {random.x / sun_share_, random.y}))));
+    random.x -= sun_share_;
+    if (random.x < ground_share_) {
+      const Vec3f d = uniform_cone(1, {random.x / ground_share_, random.y});
+      return sample_of({d.x, -std::max(d.z, 1e-6f), d.y});
+    }
+    random.x = std::clamp((random.x - ground_share_) / sky_share_, 0.f, 0x1.fffffep-1f);
+    const Vec2f p = distribution_.sample(random);
+    const Vec3f d = from_table(p.x, p.y);
+    return sample_of(d, above_horizon(d, p));
   }
 
-  Spectrum escaped(Vec3f d) const override {
-    if (d.y < 0) return ground_;
-    const Spectrum sky = sky_at(d);
-    return in_sun(d) ? sky + sun_at(d) : sky;
-  }
-
-  float pdf_escaped(Vec3f d) const override {
-    float pdf = in_sun(d) ? sun_share_ * uniform_cone_pdf(sun_width_) : 0;
-    if (d.y < 0) return pdf + ground_share_ / (2 * pi_f);
-    const Vec2f p = to_table(d);
-    const float stretch = solid_angle_density(p.y);
-    return stretch > 0 ? pdf + sky_share_ * distribution_.pdf(p) / stretch : pdf;
+  EscapedLight escaped(Vec3f d) const override {
+    if (d.y >= 0) return above_horizon(d, to_table(d));
+    return {ground_, (in_sun(d) ? sun_pdf() : 0) + ground_share_ / (2 * pi_f)};
   }
 
   float environment_power() const override { return flux_; }
@@ -79,26 +75,29 @@ class Sky : public Light {
   static constexpr int columns = 256, rows = 64;  // columns around the whole horizon
   static constexpr int columns_a_node = 8;
 
+  // The cosine of a direction's elevation, with all digits at the zenith.
+  static float across(Vec3f d) { return std::sqrt(d.x * d.x + d.z * d.z); }
   // Table coordinates of a direction above the horizon: x around from the sun, y the root of the elevation.
   Vec2f to_table(Vec3f d) const {
     const float x = (std::atan2(d.x, d.z) - sun_azimuth_) / (2 * pi_f);
-    const float elevation = std::atan2(d.y, std::sqrt(d.x * d.x + d.z * d.z));
+    const float elevation = std::atan2(d.y, across(d));
     return {x - std::floor(x), std::sqrt(std::max(0.f, elevation * (2 / pi_f)))};
   }
-  Vec3d from_table(double x, double y) const {
-    const double turn = 2 * pi * x + double(sun_azimuth_), elevation = pi / 2 * y * y;
-    const double side = std::cos(elevation);
+  template <class T>
+  Vec3<T> from_table(T x, T y) const {
+    const T turn = T(2 * pi) * x + T(sun_azimuth_), elevation = T(pi / 2) * y * y;
+    const T side = std::cos(elevation);
     return {side * std::sin(turn), std::sin(elevation), side * std::cos(turn)};
   }
   // Steradians in a unit of table area: cos(elevation) d(turn) d(elevation) = cos(elevation) (2 pi dx) (pi y dy).
-  static float solid_angle_density(float y) { return 2 * pi_f * pi_f * y * std::cos(pi_f / 2 * y * y); }
+  static float solid_angle_density(float y, float cosine) { return 2 * pi_f * pi_f * y * cosine; }
 
   // Values stand at column centres and at row edges, so that the horizon and the zenith have their own. Only the phase
   // functions are sharp: where no shadow of the Earth is in sight, the air is integrated at every eighth column's edge.
   void tabulate_sky(const Atmosphere& atmosphere) {
     table_.resize(std::size_t(columns) * (rows + 1));
     parallel_for(rows + 1, [&](std::size_t y) {
-      const auto line_of_sight = atmosphere.line_of_sight(from_table(0, double(y) / rows).y);
+      const auto line_of_sight = atmosphere.line_of_sight(from_table(0., double(y) / rows).y);
       const auto between = [&](double x) { return dot(from_table(x / columns, double(y) / rows), to_sun_); };
       std::vector<Atmosphere::Scattered> nodes;
       if (atmosphere.is_all_lit())
@@ -147,8 +146,8 @@ class Sky : public Light {
     for (int y = 0; y < rows; ++y)
       for (int x = 0; x < columns; ++x) {
         const Vec3f d(from_table((x + 0.5) / columns, (y + 0.5) / rows));
-        const float solid_angle = solid_angle_density((float(y) + 0.5f) / rows) / (columns * rows);
-        const Spectrum value = sky_at(d);
+        const float solid_angle = solid_angle_density((float(y) + 0.5f) / rows, across(d)) / (columns * rows);
+        const Spectrum value = sky_at(to_table(d));
         weights.push_back(luminance(value) * solid_angle);
         sky_flux += value * solid_angle;
         irradiance += value * (solid_angle * d.y);
@@ -177,8 +176,23 @@ class Sky : public Light {
     return sum / total;
   }
 
-  Spectrum sky_at(Vec3f d) const {
-    const Vec2f p = to_table(d);
+  static LightSample sample_of(Vec3f direction, const EscapedLight& light) {
+    return {direction, std::numeric_limits<float>::infinity(), light.radiance, light.pdf};
+  }
+  LightSample sample_of(Vec3f direction) const { return sample_of(direction, escaped(direction)); }
+
+  // Of a direction that has this place in the table.
+  EscapedLight above_horizon(Vec3f d, Vec2f p) const {
+    const float stretch = solid_angle_density(p.y, across(d));
+    EscapedLight light{sky_at(p), stretch > 0 ? sky_share_ * distribution_.pdf(p) / stretch : 0};
+    if (in_sun(d)) {
+      light.radiance += sun_at(d);
+      light.pdf += sun_pdf();
+    }
+    return light;
+  }
+
+  Spectrum sky_at(Vec2f p) const {
     const float fx = p.x * columns - 0.5f + columns, fy = std::min(p.y, 1.f) * rows;
     const int ix = int(fx), iy = std::min(int(fy), rows - 1);
     const int left = ix % columns, right = (ix + 1) % columns;
@@ -188,6 +202,8 @@ class Sky : public Light {
   }
 
   bool in_sun(Vec3f d) const { return one_minus_cosine(d, sun_frame_.n) <= sun_width_; }
+
+  float sun_pdf() const { return sun_share_ * uniform_cone_pdf(sun_width_); }
 
   Spectrum sun_at(Vec3f d) const {
     const float r2 = std::min(1.f, one_minus_cosine(d, sun_frame_.n) / sun_width_);
@@ -199,19 +215,6 @@ class Sky : public Light {
     // The mean of cos^alpha over a disk is 2 / (2 + alpha)
     for (int k = 0; k < 3; ++k) value[k] *= std::pow(cosine, limb_exponent[k]) * (1 + limb_exponent[k] / 2);
     return value;
-  }
-
-  Vec3f pick_direction(Vec2f random) const {
-    if (random.x < sun_share_)
-      return normalize(sun_frame_.to_world(uniform_cone(sun_width_, {random.x / sun_share_, random.y})));
-    random.x -= sun_share_;
-    if (random.x < ground_share_) {
-      const Vec3f d = uniform_cone(1, {random.x / ground_share_, random.y});
-      return {d.x, -std::max(d.z, 1e-6f), d.y};
-    }
-    random.x = std::clamp((random.x - ground_share_) / sky_share_, 0.f, 0x1.fffffep-1f);
-    const Vec2f p = distribution_.sample(random);
-    return Vec3f(from_table(p.x, p.y));
   }
 
   static constexpr int sun_rows = 16;

@@ -88,26 +88,28 @@ struct LightSample {
   bool is_delta = false;  // pdf is 1 and no BSDF sample can meet it
 };
 
+// What a ray meets that leaves the scene.
+struct EscapedLight {
+  Spectrum radiance;
+  float pdf = 0;  // with which sample() picks that direction
+};
+
 class Light {
  public:
   virtual ~Light() = default;
   // Called once before rendering, for what only rendering needs. May use all threads.
   virtual void prepare() {}
   virtual LightSample sample(Vec3f from, Vec2f random) const = 0;
-  // Radiance that a ray meets that leaves the scene (environments), and the pdf with which sample() picks that
-  // direction.
-  virtual Spectrum escaped(Vec3f direction) const {
+  // Of environments.
+  virtual EscapedLight escaped(Vec3f direction) const {
     (void)direction;
     return {};
   }
-  virtual float pdf_escaped(Vec3f direction) const {
-    (void)direction;
-    return 0;
-  }
-  // The same as the camera sees it, for a pixel so wide in radians: it may be a mean, since no sample() shares in it.
+  // Its radiance as the camera sees it, for a pixel so wide in radians: it may be a mean, since no sample() shares in
+  // it.
   virtual Spectrum background(Vec3f direction, float spread) const {
     (void)spread;
-    return escaped(direction);
+    return escaped(direction).radiance;
   }
   // Whether background() asks for the width.
   virtual bool has_texture() const { return false; }

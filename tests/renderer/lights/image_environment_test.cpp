@@ -45,15 +45,15 @@ Vec2f spread_pair(int i) {
 
 TEST_F(ImageEnvironmentTest, TexelsStandWhereTheManualSays) {
   const auto image = light();
-  EXPECT_NEAR(image->escaped(direction_of(bright_x + 0.5, bright_y + 0.5)).x, 64, 0.1f);
-  EXPECT_GT(image->escaped(normalize(Vec3f{1, 0.5f, 0})).x, 1);  // the right quarter looks towards +x
-  EXPECT_EQ(image->escaped({0, 1, 0}).x, 0);
-  EXPECT_NEAR(image->escaped({0, -1, 0}).x, 0.25f, 1e-3f);
+  EXPECT_NEAR(image->escaped(direction_of(bright_x + 0.5, bright_y + 0.5)).radiance.x, 64, 0.1f);
+  EXPECT_GT(image->escaped(normalize(Vec3f{1, 0.5f, 0})).radiance.x, 1);  // the right quarter looks towards +x
+  EXPECT_EQ(image->escaped({0, 1, 0}).radiance.x, 0);
+  EXPECT_NEAR(image->escaped({0, -1, 0}).radiance.x, 0.25f, 1e-3f);
 }
 
 TEST_F(ImageEnvironmentTest, RotationTurnsCounterClockwise) {
   const auto image = light(R"(, "rotation": 90)");
-  EXPECT_GT(image->escaped(normalize(Vec3f{0, 0.5f, -1})).x, 1);  // from +x to -z, seen from above
+  EXPECT_GT(image->escaped(normalize(Vec3f{0, 0.5f, -1})).radiance.x, 1);  // from +x to -z, seen from above
 }
 
 TEST_F(ImageEnvironmentTest, PdfIntegratesToOneAndSamplesAgree) {
@@ -62,8 +62,8 @@ TEST_F(ImageEnvironmentTest, PdfIntegratesToOneAndSamplesAgree) {
   constexpr int count = 200000;
   for (int i = 0; i < count; ++i) {
     const Vec3f d = uniform_cone(2, spread_pair(i));
-    sum += double(image->pdf_escaped(d));
-    uniform += double(image->escaped(d).x) * 4 * pi;
+    sum += double(image->escaped(d).pdf);
+    uniform += double(image->escaped(d).radiance.x) * 4 * pi;
     const LightSample s = image->sample({}, spread_pair(i));
     ASSERT_GT(s.pdf, 0);
     by_light += double(s.radiance.x / s.pdf);
@@ -88,9 +88,9 @@ TEST_F(ImageEnvironmentTest, TheCameraSeesTheMeanOverItsPixel) {
   for (int i = 0; i < 1000; ++i) {
     const Vec3f d = uniform_cone(2, spread_pair(i));
     EXPECT_NEAR(image->background(d, pixel).x, 0.5f, 0.02f) << d.y;
-    EXPECT_EQ(image->background(d, 1e-4f), image->escaped(d));
-    EXPECT_EQ(sharp->background(d, pixel), sharp->escaped(d));
-    variance += std::pow(double(image->escaped(d).x) - 0.5, 2) / 1000;
+    EXPECT_EQ(image->background(d, 1e-4f), image->escaped(d).radiance);
+    EXPECT_EQ(sharp->background(d, pixel), sharp->escaped(d).radiance);
+    variance += std::pow(double(image->escaped(d).radiance.x) - 0.5, 2) / 1000;
   }
   EXPECT_GT(variance, 0.05);
 }
