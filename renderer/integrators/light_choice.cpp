@@ -16,20 +16,24 @@ LightChoice::LightChoice(const std::vector<std::unique_ptr<Light>>& lights)
   for (std::size_t i = 0; i < lights.size(); ++i) {
     if (lights[i]->bounds()) continue;
     environments_.push_back(i);
-    const float power = lights[i]->environment_power();
-    shares_[i] = std::isfinite(power) && power > 0 ? power : 0;
-    environment_power_ += shares_[i];
+    const float estimate = lights[i]->environment_power(),
+                power = std::isfinite(estimate) ? std::max(estimate, 0.f) : 0;
+    mean_background_ += power / (4 * pi_f);
+    shares_[i] = 0;
+    if (lights[i]->is_even()) continue;
+    asked_.push_back(i);
+    shares_[i] = power;
+    asked_power_ += power;
   }
-  const float even = 1 / float(environments_.size());
-  for (const std::size_t i : environments_)
-    shares_[i] = environment_power_ > 0 ? 0.5f * (even + shares_[i] / environment_power_) : even;
+  const float alike = 1 / float(asked_.size());
+  for (const std::size_t i : asked_) shares_[i] = asked_power_ > 0 ? 0.5f * (alike + shares_[i] / asked_power_) : alike;
 }
 
 // Irradiances: an environment of even radiance L gives a surface pi L, and its power is 4 pi L. A lamp at a distance
 // gives its importance over pi if it is flat, over 4 pi if it is round; 2 pi lies between.
 float LightChoice::environment_share(const Receiver& receiver) const {
-  const float near = tree_.importance(receiver) / (2 * pi_f), far = environment_power_ / 4;
-  if (environments_.empty()) return 0;
+  const float near = tree_.importance(receiver) / (2 * pi_f), far = asked_power_ / 4;
+  if (asked_.empty()) return 0;
   if (!(near > 0)) return 1;
   return 0.5f * (0.5f + (std::isfinite(near) ? far / (near + far) : 0));
 }
@@ -42,12 +46,12 @@ LightChoice::Pick LightChoice::pick(const Receiver& receiver, float random) cons
     return near;
   }
   random /= far;
-  for (std::size_t k = 0; k + 1 < environments_.size(); ++k) {
-    const float share = shares_[environments_[k]];
-    if (random < share) return {int(environments_[k]), share * far};
+  for (std::size_t k = 0; k + 1 < asked_.size(); ++k) {
+    const float share = shares_[asked_[k]];
+    if (random < share) return {int(asked_[k]), share * far};
     random -= share;
   }
-  return {int(environments_.back()), shares_[environments_.back()] * far};
+  return {int(asked_.back()), shares_[asked_.back()] * far};
 }
 
 float LightChoice::probability(const Receiver& receiver, std::size_t i) const {

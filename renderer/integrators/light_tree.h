@@ -19,6 +19,8 @@ class LightTree {
   // lights[i] is what light number i of pick() is. Those without power are never picked nor crossed.
   explicit LightTree(const std::vector<LightBounds>& lights);
 
+  bool empty() const { return nodes_.empty(); }
+
   struct Pick {
     int light = -1;  // none: no light of the tree reaches the receiver
     float probability = 0;

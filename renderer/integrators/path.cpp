@@ -289,7 +289,7 @@ class Walk {
   // `ray_to` the ray.
   template <class Scatter, class RayTo>
   bool choose_light(const Receiver& vertex, const Scatter& scatter, const RayTo& ray_to) {
-    if (scene_.lights.empty()) return false;
+    if (!choice_.asks()) return false;
     const float random_pick = sampler_.next_1d();
     const Vec2f random = sampler_.next_2d();
     const LightChoice::Pick pick = choice_.pick(vertex, random_pick);

@@ -134,13 +134,29 @@ TEST(LightChoice, OneOfThousandsEstimatesTheSumOfAll) {
 // Nothing hangs on how large the scene is: beside a lamp the lamp is asked, far from it the sky.
 TEST(LightChoice, WeighsEnvironmentsByWhatTheyGive) {
   Lights lights;
-  lights.push_back(make<Light>(register_constant));
+  lights.push_back(make<Light>(register_distant, R"({ "irradiance": 12 })"));
   lights.push_back(make<Light>(register_sphere, R"({ "center": [0, 1, 0], "radius": 0.2, "intensity": 20 })"));
   const LightChoice choice(lights);
   EXPECT_GT(choice.probability({{0, 0.7f, 0}, {0, 1, 0}}, 1), 0.6f);
   EXPECT_GT(choice.probability({{0, -100, 0}, {0, 1, 0}}, 0), 0.7f);
   EXPECT_GT(choice.probability({{0, -100, 0}, {0, 1, 0}}, 1), 0.2f);
   EXPECT_EQ(choice.probability({{0, 0.5f, 0}, {0, -1, 0}}, 1), 0);  // it faces away
+}
+
+TEST(LightChoice, LeavesEvenEnvironmentsToTheBounces) {
+  Lights lights;
+  lights.push_back(make<Light>(register_constant));
+  const LightChoice alone(lights);
+  EXPECT_FALSE(alone.asks());
+  EXPECT_EQ(alone.pick({}, 0.5f).light, -1);
+  EXPECT_EQ(alone.probability({}, 0), 0);
+  EXPECT_FLOAT_EQ(alone.mean_background(), 1);
+  lights.push_back(make<Light>(register_distant));
+  const LightChoice with_sun(lights);
+  EXPECT_TRUE(with_sun.asks());
+  EXPECT_EQ(with_sun.environments().size(), 2u);
+  EXPECT_EQ(with_sun.pick({}, 0).light, 1);
+  EXPECT_EQ(with_sun.probability({}, 1), 1);
 }
 
 TEST(LightTree, FindsWhatARayCrosses) {
