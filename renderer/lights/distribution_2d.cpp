@@ -20,18 +20,22 @@ double accumulate(std::vector<double>::iterator first, std::vector<double>::iter
   return total;
 }
 
-// In which step of a running sum each of `count` equal parts of [0, 1) begins: appended to `firsts`.
+// Equal parts of [0, 1), each of some four steps of a running sum, which lie in one cache line.
+int parts_of(int count) { return (count + 3) / 4; }
+
+// In which step of a running sum each part begins: appended to `firsts`.
 void append_firsts(const double* ends, int count, std::vector<std::uint32_t>& firsts) {
-  for (int part = 0, i = 0; part < count; ++part) {
-    while (i + 1 < count && ends[i] <= double(part) / count) ++i;
+  const int parts = parts_of(count);
+  for (int part = 0, i = 0; part < parts; ++part) {
+    while (i + 1 < count && ends[i] <= double(part) / parts) ++i;
     firsts.push_back(std::uint32_t(i));
   }
 }
 
 // The step of a running sum that a uniform number falls in, and where inside it, in [0, 1).
 int pick(const double* ends, const std::uint32_t* firsts, int count, double random, float& inside) {
-  const int part = std::min(int(random * count), count - 1);
-  const int first = int(firsts[part]), last = part + 1 < count ? int(firsts[part + 1]) : count - 1;
+  const int parts = parts_of(count), part = std::min(int(random * parts), parts - 1);
+  const int first = int(firsts[part]), last = part + 1 < parts ? int(firsts[part + 1]) : count - 1;
   const int i = std::min(int(std::upper_bound(ends + first, ends + last + 1, random) - ends), last);
   const double start = i > 0 ? ends[i - 1] : 0;
   inside = std::min(float((random - start) / (ends[i] - start)), 0x1.fffffep-1f);
@@ -61,7 +65,8 @@ Vec2f Distribution2D::sample(Vec2f random) const {
   float in_x = 0, in_y = 0;
   const int y = pick(row_ends_.data(), first_rows_.data(), height_, random.y, in_y);
   const std::ptrdiff_t row = std::ptrdiff_t(y) * width_;
-  const int x = pick(cell_ends_.data() + row, first_cells_.data() + row, width_, random.x, in_x);
+  const int x =
+      pick(cell_ends_.data() + row, first_cells_.data() + std::ptrdiff_t(y) * parts_of(width_), width_, random.x, in_x);
   return {(float(x) + in_x) / float(width_), (float(y) + in_y) / float(height_)};
 }
 

@@ -25,7 +25,7 @@ class Distribution2D {
   std::vector<float> density_;
   std::vector<double> row_ends_;   // cumulative weight of whole rows, ends at 1
   std::vector<double> cell_ends_;  // cumulative inside each row, ends at 1
-  // Of as many equal steps of the random number as there are rows, or cells in a row: where each begins.
+  // Of equal parts of the random number, a quarter as many as there are rows, or cells in a row: where each begins.
   std::vector<std::uint32_t> first_rows_, first_cells_;
 };
 

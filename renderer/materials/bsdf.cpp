@@ -131,7 +131,7 @@ Spectrum Bsdf::diffuse_reflectance(Vec3f wo, Vec3f wi) const {
 }
 
 // Chiang, Li, Burley 2019, equation 3: a smooth fall to zero where the geometric horizon cuts the shading hemisphere.
-float Bsdf::terminator(Vec3f wi) const {
+inline float Bsdf::terminator(Vec3f wi) const {
   const float across = dot(frame_.n, wi) * dot(frame_.n, geometric_normal_);
   const float g = across > 0 ? std::min(1.f, dot(geometric_normal_, wi) / across) : 0;
   return g * (1 + g * (1 - g));
@@ -215,7 +215,7 @@ Spectrum Bsdf::albedo() const {
   return base * (1 - metalness) + metal_f0 * (metal_weight * metalness);
 }
 
-Bsdf::Scattered Bsdf::lambertian(float cos_i) const {
+inline Bsdf::Scattered Bsdf::lambertian(float cos_i) const {
   if (cos_i > 0) return {diffuse / pi_f, shares_.diffuse * cos_i / pi_f};
   return {transmitted / pi_f, shares_.transmitted * -cos_i / pi_f};
 }

@@ -283,5 +283,20 @@ TEST(Distribution2D, FollowsItsWeights) {
   EXPECT_EQ(Distribution2D({0, 0}, 2, 1).pdf({0.2f, 0.5f}), 1);
 }
 
+// Even steps of the random number: as many fall in each cell of a row as it weighs, dark and bright ones in turns.
+TEST(Distribution2D, FindsEveryCellOfAnUnevenRow) {
+  constexpr int cells = 97, count = 100000;
+  std::vector<float> weights;
+  double total = 0;
+  for (int i = 0; i < cells; ++i) {
+    weights.push_back(i % 5 == 0 ? 0 : i % 31 == 7 ? 50 : 1e-3f * float(i));
+    total += double(weights.back());
+  }
+  const Distribution2D d(weights, cells, 1);
+  std::vector<int> found(cells);
+  for (int i = 0; i < count; ++i) ++found[std::size_t(d.sample({(float(i) + 0.5f) / count, 0.5f}).x * cells)];
+  for (std::size_t i = 0; i < cells; ++i) EXPECT_NEAR(found[i], double(weights[i]) / total * count, 2) << i;
+}
+
 }  // namespace
 }  // namespace meristem
