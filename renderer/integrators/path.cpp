@@ -53,24 +53,29 @@ struct PathState {
   bool asks_surface = true;  // along `ray`; answered after
   bool asks_light = false;   // along `shadow`
   bool any = false;          // of `ray` it is only asked whether it meets something
-  Ray ray;                   // to the next surface, or to `collision` in a medium, where it ends
-  MediumCollision collision;
-  Receiver last_vertex;  // where the ray was scattered, and how:
-  float last_pdf = 0;    // 0: it comes from the camera
-  float travelled = 0;   // from there to the ray's origin, through transparent surfaces
+  Ray ray;                   // to the next surface, or to the collision in a medium, where it ends
+  Receiver last_vertex;      // where the ray was scattered, and how:
+  float last_pdf = 0;        // 0: it comes from the camera
+  float travelled = 0;       // from there to the ray's origin, through transparent surfaces
   Spectrum throughput{1, 1, 1};
   float entered = 1;  // radiance is larger by this in the glass around the ray
   Spectrum sum;
-  std::int32_t depth = 0, passes = 0;
-  float width = 0, spread = 0;  // of the cone around the ray: at its origin, and by distance
+  std::int32_t depth = 0;
+  std::uint16_t passes = 0, light_passes = 0;  // of transparent surfaces: by `ray` and the rays before, by `shadow`
+  float width = 0, spread = 0;                 // of the cone around the ray: at its origin, and by distance
 
   Ray shadow;         // to the light that is asked: the rest of the way
   Spectrum light;     // that it would bring if nothing was in between, but for
   float light_scale;  // this factor
   float visible = 1;  // of it, so far
-  int light_passes = 0;
 };
-static_assert(std::is_trivially_copyable_v<PathState> && sizeof(PathState) <= 256, "millions are alive at once");
+static_assert(std::is_trivially_copyable_v<PathState> && sizeof(PathState) <= 184, "millions are alive at once");
+
+// The same where there are media.
+struct PathStateInMedia : PathState {
+  MediumCollision collision;
+};
+static_assert(std::is_trivially_copyable_v<PathStateInMedia>);
 
 class Path : public Integrator, public PathStepper {
  public:
@@ -89,16 +94,17 @@ class Path : public Integrator, public PathStepper {
     textures_ = std::ranges::any_of(scene.materials, [](const auto& m) { return m->has_textures(); });
     faint_light_ = roulette_light_ * choice_->mean_background();
     only_lamps_ = choice_->environments().empty();
+    in_media_ = !scene.media.empty();
     dark_.clear();
     for (const auto& m : scene.materials) dark_.push_back(!m->may_emit() && !m->may_be_transparent());
-    all_dark_ = scene.media.empty() && std::ranges::all_of(dark_, std::identity{});
+    all_dark_ = !in_media_ && std::ranges::all_of(dark_, std::identity{});
     cones_ = textures_ || std::ranges::any_of(scene.lights, [](const auto& l) { return l->has_texture(); });
   }
   Spectrum radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts,
                     FirstSurface* first) const override;
 
   const PathStepper* stepper() const override { return this; }
-  std::size_t state_bytes() const override { return sizeof(PathState); }
+  std::size_t state_bytes() const override { return in_media_ ? sizeof(PathStateInMedia) : sizeof(PathState); }
   void begin(void* state, const Ray& ray, const PathTools& tools) const override;
   RayRequest request(const void* state, int ray) const override;
   void answer(void* state, int ray, bool met, const SurfaceHit& hit, const PathTools& tools) const override;
@@ -121,7 +127,7 @@ class Path : public Integrator, public PathStepper {
   float roulette_throughput_, roulette_light_, faint_light_ = 0;
   std::optional<LightChoice> choice_;
   bool transparency_ = false, textures_ = false, cones_ = false;
-  bool all_dark_ = false, only_lamps_ = false;
+  bool in_media_ = false, all_dark_ = false, only_lamps_ = false;
   std::vector<std::uint8_t> dark_;  // by material
 };
 
@@ -192,12 +198,12 @@ class Walk {
     if (scene_.media.empty()) return;
     RandomStream random(sampler_.next_1d());
     for (const auto& medium : scene_.media)
-      if (medium->collide(s_.ray, random, s_.collision)) s_.ray.t_max = s_.collision.t;
+      if (medium->collide(s_.ray, random, collision())) s_.ray.t_max = collision().t;
   }
 
   // Asks for the next ray where the flight collides, as meet_surface() does.
   void meet_medium() {
-    const MediumCollision& c = s_.collision;
+    const MediumCollision& c = collision();
     s_.width += s_.spread * c.t;
     s_.sum += s_.throughput * c.emission;
     s_.throughput *= c.albedo;
@@ -212,6 +218,9 @@ class Walk {
         [&](Vec3f wi) { return free_ray(place, wi, RayClass::Shadow); });
     s_.asks_surface = scatter_in_medium(place);
   }
+
+  // Where there are media.
+  MediumCollision& collision() { return static_cast<PathStateInMedia&>(s_).collision; }
 
   Ray free_ray(Vec3f origin, Vec3f direction, RayClass ray_class) const {
     Ray ray;
@@ -367,8 +376,8 @@ class Walk {
   }
 
   bool scatter_in_medium(Vec3f place) {
-    const Vec3f before = s_.ray.direction, after = sample_phase(s_.collision.anisotropy, before, sampler_.next_2d());
-    const float pdf = phase(s_.collision.anisotropy, dot(before, after));
+    const Vec3f before = s_.ray.direction, after = sample_phase(collision().anisotropy, before, sampler_.next_2d());
+    const float pdf = phase(collision().anisotropy, dot(before, after));
     return survives() && leave({place, {}}, pdf, free_ray(place, after, class_of(pdf)));
   }
 
@@ -438,7 +447,7 @@ RayRequest request_of(const PathState& s, int ray, bool transparency) {
 Spectrum Path::radiance(const Ray& ray, const Scene& scene, Sampler& sampler, RayCounts& counts,
                         FirstSurface* first) const {
   const Intersector& world = *scene.intersector;
-  PathState state;
+  PathStateInMedia state;
   Walk walk(*this, {scene, sampler, counts, first}, state);
   walk.begin(ray);
   ShadingPoint point;
@@ -453,7 +462,8 @@ Spectrum Path::radiance(const Ray& ray, const Scene& scene, Sampler& sampler, Ra
 }
 
 void Path::begin(void* state, const Ray& ray, const PathTools& tools) const {
-  Walk(*this, tools, *new (state) PathState).begin(ray);
+  PathState& path = in_media_ ? *new (state) PathStateInMedia : *new (state) PathState;
+  Walk(*this, tools, path).begin(ray);
 }
 
 RayRequest Path::request(const void* state, int ray) const {
