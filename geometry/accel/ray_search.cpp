@@ -23,14 +23,11 @@ void KeptCells::assign(const CellList& list, float t) {
   std::size_t size = 0;
   for (std::size_t cell = 0; cell < list.end(); cell = list.next(cell))
     size += is_left(cell) ? list.next(cell) - cell : 0;
-  size_ = std::uint32_t(size);
-  if (size <= few_.size()) {
-    more_.reset();
-  } else if (!more_ || size > capacity_ || 2 * size < capacity_) {  // else it is used again
-    more_ = std::make_unique_for_overwrite<std::uint32_t[]>(size);
-    capacity_ = std::uint32_t(size);
+  if (size != words().size()) {
+    words_ = std::make_unique_for_overwrite<std::uint32_t[]>(1 + size);
+    words_[0] = std::uint32_t(size);
   }
-  std::uint32_t* to = more_ ? more_.get() : few_.data();
+  std::uint32_t* to = words_.get() + 1;
   for (std::size_t cell = 0; cell < list.end(); cell = list.next(cell))
     if (is_left(cell)) to = std::ranges::copy(list.words(cell), to).out;
 }
@@ -54,8 +51,8 @@ void RaySearch::wake(Key name) {
   const CellList list(missing_.words());
   std::size_t cell = 0;
   while (cell < list.end() && list.name(cell) != name) cell = list.next(cell);
-  sleeps_ = waits_ && cell == list.end();
-  if (!sleeps_) woken_for_ = name;
+  sleeps_ = waits() && cell == list.end();
+  if (!sleeps_) woken_for_ = std::uint32_t(name);
 }
 
 void MissingCells::remove(std::size_t cell) { words_[cell] = std::bit_cast<std::uint32_t>(CellList::removed); }

@@ -18,7 +18,6 @@
 #include "geometry/accel/surface.h"
 #include "geometry/base/key.h"
 
-#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -47,7 +46,7 @@ class CellList {
   // and whether its entry is that into its outline, and not only into its box.
   bool is_exact(std::size_t cell) const { return words_[cell + 1] & exact_bit; }
   // The last bits of it. Cells that share them are waited for and expanded together: that costs time, and no more.
-  Key name(std::size_t cell) const { return words_[cell + 1] >> flag_bits; }
+  std::uint32_t name(std::size_t cell) const { return words_[cell + 1] >> flag_bits; }
   Way way(std::size_t cell) const { return words_.subspan(cell + header, way_length(cell)); }
 
   // All of one.
@@ -76,19 +75,19 @@ class CellList {
   Words words_;
 };
 
-// Such a list while its ray waits, in no more memory than it needs. Most are short and lie in the object itself.
+// Such a list while its ray waits, in no more memory than it needs.
 class KeptCells {
  public:
   // Those of a list that the ray enters at or before t.
   void assign(const CellList& list, float t);
-  CellList::Words words() const { return {more_ ? more_.get() : few_.data(), size_}; }
-  std::size_t bytes_beside() const { return more_ ? capacity_ * sizeof(std::uint32_t) + malloc_bytes : 0; }
+  CellList::Words words() const { return words_ ? CellList::Words(&words_[1], words_[0]) : CellList::Words(); }
+  bool empty() const { return !words_ || words_[0] == 0; }
+  void prefetch() const { __builtin_prefetch(words_.get()); }
+  std::size_t bytes_beside() const { return words_ ? (1 + words_[0]) * sizeof(std::uint32_t) + malloc_bytes : 0; }
   static constexpr std::size_t malloc_bytes = 16;  // that an allocation takes beside
 
  private:
-  std::array<std::uint32_t, 16> few_;
-  std::unique_ptr<std::uint32_t[]> more_;
-  std::uint32_t size_ = 0, capacity_ = 0;  // of what there is more
+  std::unique_ptr<std::uint32_t[]> words_;  // after their number
 };
 
 // Such a list while it grows.
@@ -116,11 +115,16 @@ class RaySearch {
   enum class End : std::uint8_t { Missed, Met, Waits };
 
   // The cell that the search waits for, by a name that all rays share, if it waits.
-  std::optional<Key> waits_for() const { return waits_ ? std::optional(woken_for_) : std::nullopt; }
+  std::optional<Key> waits_for() const { return waits() ? std::optional<Key>(woken_for_) : std::nullopt; }
   // Which of its cells it is to expand when it goes on; else it is the one that it waits for. If that is none of its
   // cells it sleeps on.
   void wake(Key name);
   bool sleeps() const { return sleeps_; }
+  // What it will need to go on, into the processor's caches.
+  void prefetch() const {
+    missing_.prefetch();
+    __builtin_prefetch(nearest_.get());
+  }
   // Beside the object itself.
   std::size_t bytes() const {
     return missing_.bytes_beside() + (nearest_ ? sizeof(*nearest_) + KeptCells::malloc_bytes : 0);
@@ -128,10 +132,17 @@ class RaySearch {
 
  private:
   friend class SearchDriver;  // of the world
+  struct Nearest {
+    SurfaceHit hit;
+    Key patch_key;
+  };
+  bool waits() const { return !missing_.empty(); }
+
   KeptCells missing_;
-  std::unique_ptr<SurfaceHit> nearest_;  // so far, if there is one
-  Key hit_key_ = 0, woken_for_ = 0;
-  bool waits_ = false, sleeps_ = false;
+  std::unique_ptr<Nearest> nearest_;  // so far, if there is one
+  std::uint32_t woken_for_ = 0;       // as CellList::name() gives it
+  bool sleeps_ = false;
 };
+static_assert(sizeof(RaySearch) <= 24, "millions wait at once");
 
 }  // namespace meristem

@@ -17,12 +17,12 @@ SearchDriver::SearchDriver(RaySearch& search, bool any, RayContext& context, RTC
   context.search = &state_;
   if (!search.nearest_) return;
   context.has_hit = true;
-  context.patch_key = search.hit_key_;
-  ray.ray.tfar = search.nearest_->t;
+  context.patch_key = search.nearest_->patch_key;
+  ray.ray.tfar = search.nearest_->hit.t;
 }
 
 RaySearch::End SearchDriver::go_on(const RayRoute& route, const GeometryCache& cache) {
-  if (search_.waits_) {
+  if (search_.waits()) {
     state_.expands = true;
     visit(route, [&](const CellList& list, std::size_t cell) { return list.name(cell) == search_.woken_for_; });
     state_.expands = false;
@@ -73,14 +73,10 @@ void SearchDriver::visit(const RayRoute& route, IsAsked is_asked) {
 }
 
 void SearchDriver::keep(const SurfaceHit* nearer) {
-  search_.waits_ = true;
   search_.missing_.assign(missing_.list(), ray_.ray.tfar);
   if (!nearer) return;
-  if (search_.nearest_)
-    *search_.nearest_ = *nearer;
-  else
-    search_.nearest_ = std::make_unique<SurfaceHit>(*nearer);
-  search_.hit_key_ = context_.patch_key;
+  if (!search_.nearest_) search_.nearest_ = std::make_unique<RaySearch::Nearest>();
+  *search_.nearest_ = {*nearer, context_.patch_key};
 }
 
 }  // namespace meristem

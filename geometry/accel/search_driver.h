@@ -19,7 +19,7 @@ class SearchDriver {
   // Before it waits; `nearer`: a hit that this call found, or nullptr.
   void keep(const SurfaceHit* nearer);
   // The nearest hit, if it is none of this call.
-  const SurfaceHit& kept() const { return *search_.nearest_; }
+  const SurfaceHit& kept() const { return search_.nearest_->hit; }
   // Makes the search as new.
   void end() { search_ = {}; }
 

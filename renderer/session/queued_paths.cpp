@@ -20,23 +20,29 @@ constexpr std::size_t chunk_paths = 1024;
 // What a thread claims: enough that the lock does not matter, few enough that others find something. Of those that wait
 // for a cell mostly all, so that no two threads wait for one expansion.
 constexpr std::size_t most_begun = 64, most_claimed = 4096;
-// So many paths ahead of the one that is followed memory is asked for.
+// So many paths ahead of the one that is followed memory is asked for, and as many before, where that lies.
 constexpr std::size_t paths_ahead = 3;
 
 using Clock = std::chrono::steady_clock;
+using StateWord = void*;  // as a state is aligned
 
 }  // namespace
 
 struct QueuedPaths::Slot {
   PixelSample sample;
   std::uint32_t dimension = 0;  // of random numbers
-  std::uint32_t search_bytes = 0;
   std::int8_t weight = 0;
   bool is_begun = false;
   bool covered = false;  // once it has ended
   bool has_early = false, early_met = false;
   std::unique_ptr<SurfaceHit> early;  // an answer that came before it may be given; if it met something
   std::array<RaySearch, PathStepper::most_rays> searches;
+
+  std::size_t bytes_beside() const {
+    std::size_t bytes = early ? sizeof(SurfaceHit) + KeptCells::malloc_bytes : 0;
+    for (const RaySearch& search : searches) bytes += search.bytes();
+    return bytes;
+  }
 };
 
 // The cells that a path waits for.
@@ -95,13 +101,13 @@ class QueuedPaths::Meter {
 
 struct QueuedPaths::Chunk {
   std::vector<Slot> slots;
-  std::vector<std::max_align_t> states;
+  std::vector<StateWord> states;
   std::vector<FirstSurface> first;  // if wanted, as the next
   std::vector<Cost> costs;
 
   static std::size_t bytes(std::size_t state_words, Wants wants) {
     return sizeof(Chunk) +
-           chunk_paths * (sizeof(Slot) + state_words * sizeof(std::max_align_t) +
+           chunk_paths * (sizeof(Slot) + state_words * sizeof(StateWord) +
                           (wants.first_surface ? sizeof(FirstSurface) : 0) + (wants.costs ? sizeof(Cost) : 0));
   }
   Chunk(std::size_t state_words, Wants wants) : slots(chunk_paths), states(chunk_paths * state_words) {
@@ -129,7 +135,7 @@ QueuedPaths::QueuedPaths(const Scene& scene, const CameraPaths& camera, Wants wa
       camera_(camera),
       wants_(wants),
       most_bytes_(most_bytes),
-      state_words_((stepper_.state_bytes() + sizeof(std::max_align_t) - 1) / sizeof(std::max_align_t)) {
+      state_words_((stepper_.state_bytes() + sizeof(StateWord) - 1) / sizeof(StateWord)) {
   chunks_.reserve(most_bytes / Chunk::bytes(state_words_, wants_) + 1);
 }
 
@@ -163,9 +169,11 @@ void QueuedPaths::run(int threads, const Exchange& exchange, std::vector<RayCoun
 void QueuedPaths::work(Worker& worker) {
   while (claim(worker)) {
     std::size_t done = 0;
-    for (std::size_t i = 0; i < std::min(paths_ahead, worker.claimed.size()); ++i) prefetch(worker.claimed[i]);
+    for (std::size_t i = 0; i < std::min(2 * paths_ahead, worker.claimed.size()); ++i) prefetch(worker.claimed[i]);
     for (; done < worker.claimed.size() && !worker.exchange.stopped(); ++done) {
-      if (done + paths_ahead < worker.claimed.size()) prefetch(worker.claimed[done + paths_ahead]);
+      if (done + 2 * paths_ahead < worker.claimed.size()) prefetch(worker.claimed[done + 2 * paths_ahead]);
+      if (done + paths_ahead < worker.claimed.size())
+        for (const RaySearch& search : slot(worker.claimed[done + paths_ahead]).searches) search.prefetch();
       follow(worker, worker.claimed[done]);
       if (worker.thread == 0) worker.exchange.look_around();
     }
@@ -248,7 +256,7 @@ void QueuedPaths::begin_paths(Worker& worker) {
 bool QueuedPaths::has_room(const Exchange& exchange) {
   constexpr std::uint64_t paths_at_start = 2048, paths_a_serving = 1024;
   if (alive_ >= paths_at_start + paths_a_serving * statistics_.served) return false;
-  constexpr std::size_t usual_search_bytes = 96;
+  constexpr std::size_t usual_search_bytes = 128;
   const std::size_t searches = search_bytes_.load(std::memory_order_relaxed),
                     to_come = std::max(searches, alive_ * usual_search_bytes) - searches;
   // Chunks stay. So with each some room must be left for samples that come before their turn: else the more of these
@@ -277,7 +285,7 @@ void QueuedPaths::prefetch(std::uint32_t id) {
     for (std::size_t at = 0; at < bytes; at += cache_line) __builtin_prefetch(static_cast<const char*>(from) + at);
   };
   touch(&slot(id), sizeof(Slot));
-  touch(state(id), state_words_ * sizeof(std::max_align_t));
+  touch(state(id), state_words_ * sizeof(StateWord));
 }
 
 // Until the path ends or waits.
@@ -288,6 +296,7 @@ void QueuedPaths::follow(Worker& worker, std::uint32_t id) {
   Sampler& sampler = *worker.sampler;
   const PathTools tools{scene_, sampler, worker.rays, first};
   Meter meter(wants_.costs ? &chunk.costs[id % chunk_paths] : nullptr, *scene_.intersector, s.is_begun);
+  const std::size_t bytes_before = s.bytes_beside();
   if (s.is_begun) {
     for (RaySearch& search : s.searches) search.wake(worker.woken_for);
     sampler.start(s.sample.x, s.sample.y, int(s.sample.number), scene_.settings.seed);
@@ -309,10 +318,7 @@ void QueuedPaths::follow(Worker& worker, std::uint32_t id) {
     s.covered = worker.rays.escaped == escaped;
     worker.ended.push_back(id);
   }
-  std::size_t bytes = s.early ? sizeof(SurfaceHit) : 0;
-  for (const RaySearch& search : s.searches) bytes += search.bytes();
-  search_bytes_.fetch_add(bytes - s.search_bytes, std::memory_order_relaxed);  // modulo 2^64
-  s.search_bytes = std::uint32_t(bytes);
+  search_bytes_.fetch_add(s.bytes_beside() - bytes_before, std::memory_order_relaxed);  // modulo 2^64
 }
 
 // Whether the path waits now. Both rays of a vertex are searched, at first and when a cell comes up that both enter;
