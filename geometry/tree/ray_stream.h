@@ -30,7 +30,7 @@ class StreamRay {
   virtual void enter(std::uint32_t other) = 0;
 
   float t_max = 0;   // the end of the ray
-  bool any = false;  // it asks whether anything is met: the first that is, is told by met(), and is the end of its leg
+  bool any = false;  // it asks whether anything is met: then t_max becomes less than 0, and it goes no further
 
  protected:
   ~StreamRay() = default;

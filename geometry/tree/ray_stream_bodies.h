@@ -77,12 +77,11 @@ MERISTEM_INLINE void Lane::enter_tree(const Braid::Strand& strand) {
   hit.triangle = TreeHit::none;
 }
 
-// False: the leg ends.
+// False: there is no braid around it.
 bool Lane::leave_tree() {
   if (hit.triangle != TreeHit::none) {
     traveller->met(owner, hit);
     hit.t = traveller->t_max;
-    if (any) return false;
   }
   in_tree = false;
   nodes = braid.nodes;
@@ -124,7 +123,7 @@ MERISTEM_INLINE bool Lane::enter_strand() {
   }
   traveller->enter(strand.owner);
   hit.t = traveller->t_max;
-  return any && hit.t < 0 ? begin_leg() : take_next();
+  return take_next();
 }
 
 // On to the nearest of the children that the ray may meet, or any of them; the others wait.

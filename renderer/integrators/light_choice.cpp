@@ -20,7 +20,7 @@ LightChoice::LightChoice(const std::vector<std::unique_ptr<Light>>& lights)
                 power = std::isfinite(estimate) ? std::max(estimate, 0.f) : 0;
     mean_background_ += power / (4 * pi_f);
     shares_[i] = 0;
-    if (lights[i]->is_even()) continue;
+    if (lights[i]->is_uniform()) continue;
     asked_.push_back(i);
     shares_[i] = power;
     asked_power_ += power;

@@ -1,8 +1,8 @@
 // LightChoice: which light a point asks. Environments are chosen by the light they send, lights that stand somewhere by
 // the LightTree. Between these two kinds, half of the choices go by what each may give to the point, half to both
-// alike; among environments likewise: so that none is forgotten whose estimate is poor. Even environments are left to
-// the bounces, which find them with less noise. Made once a render; then any thread. Refers to the lights, which must
-// outlive it.
+// alike; among environments likewise: so that none is forgotten whose estimate is poor. Uniform environments are left
+// to the bounces, which find them with less noise. Made once a render; then any thread. Refers to the lights, which
+// must outlive it.
 #pragma once
 
 #include "renderer/integrators/light_tree.h"
@@ -36,7 +36,7 @@ class LightChoice {
  private:
   float environment_share(const Receiver& receiver) const;
 
-  std::vector<std::size_t> environments_, asked_;  // all of them, and those that are not even
+  std::vector<std::size_t> environments_, asked_;  // all of them, and those that are not uniform
   std::vector<float> shares_;  // by light: the probability among the environments; negative: not one of them
   float asked_power_ = 0, mean_background_ = 0;
   LightTree tree_;

@@ -23,7 +23,7 @@ class Constant : public Light {
   }
   EscapedLight escaped(Vec3f) const override { return {radiance_, uniform_cone_pdf(2)}; }
   float environment_power() const override { return luminance(radiance_) * 4 * pi_f; }
-  bool is_even() const override { return true; }
+  bool is_uniform() const override { return true; }
 
  private:
   Spectrum radiance_;

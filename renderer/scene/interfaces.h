@@ -140,7 +140,7 @@ class Light {
   // whose luminance, integrated over all directions, is estimated.
   virtual float environment_power() const { return 0; }
   // An environment that is the same on all sides: sample() knows no better direction than a material does.
-  virtual bool is_even() const { return false; }
+  virtual bool is_uniform() const { return false; }
 };
 
 // The variables that material expressions see, and their values at one hit. See renderer/materials/material_symbols.h.

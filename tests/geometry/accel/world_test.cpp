@@ -5,6 +5,7 @@
 #include "tests/support/test_model.h"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <atomic>
 #include <cstring>
@@ -168,6 +169,28 @@ TEST(World, WhatHasSettledStaysUntilItIsInTheWay) {
   EXPECT_EQ(hits_of(*world, 0, 256), all);
   EXPECT_EQ(hits_of(*world, 0, 256), all);
   EXPECT_FALSE(world->is_crowded());
+}
+
+// What a ray of a stream has met outside of what has settled stays while others of the stream expand and evict cells.
+TEST(World, RaysTracedTogetherHoldWhatTheyHaveMet) {
+  mallopt(M_PERTURB, 0xa5);  // memory that is given back is overwritten
+  const auto model = bumpy_model(shapes::prism(8), 6, 0.1, small_cells);
+  const std::vector<std::uint64_t> all = hits_of(*world_of(model, {}), 0, 512);
+  std::size_t of_one;
+  {
+    const auto world = world_of(model, {});
+    hits_of(*world, 0, 1);
+    of_one = world->statistics().total_bytes_peak;
+  }
+  for (const double room : {1.34, 1.4, 1.5}) {
+    const auto world = world_of(model, {.budget_bytes = std::size_t(double(of_one) * room)});
+    hits_of(*world, 0, 1);
+    world->settle();
+    EXPECT_TRUE(world->is_settled());
+    EXPECT_EQ(hits_together(*world, 0, 512), all) << room;
+    EXPECT_GT(world->statistics().reexpanded, 100u);
+  }
+  mallopt(M_PERTURB, 0);
 }
 
 TEST(World, TheLeastBudgetIsAChainOfCellsForEachThread) {

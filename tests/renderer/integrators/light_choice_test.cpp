@@ -143,7 +143,7 @@ TEST(LightChoice, WeighsEnvironmentsByWhatTheyGive) {
   EXPECT_EQ(choice.probability({{0, 0.5f, 0}, {0, -1, 0}}, 1), 0);  // it faces away
 }
 
-TEST(LightChoice, LeavesEvenEnvironmentsToTheBounces) {
+TEST(LightChoice, LeavesUniformEnvironmentsToTheBounces) {
   Lights lights;
   lights.push_back(make<Light>(register_constant));
   const LightChoice alone(lights);
