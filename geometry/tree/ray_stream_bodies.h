@@ -4,43 +4,125 @@
 #include "geometry/tree/ray_stream.h"
 #include "geometry/tree/tree_kernel_bodies.h"
 
+#include <limits>
+
 namespace meristem {
 namespace {
 
+// An end that stands below all that waits in a tree or a braid.
+constexpr std::uint32_t is_over = ~std::uint32_t(0);
+
+// What a ray has yet to meet, the nearest last.
+struct Stack {
+  static constexpr int capacity = 2 * (SurfaceTree::most_waiting + 1) + 8;  // eight are written where one is added
+  std::size_t count = 0;
+  float t[capacity];
+  std::uint32_t child[capacity];
+
+  void add(std::uint32_t c, float entry) {
+    t[count] = entry;
+    child[count++] = c;
+  }
+  void add_bottom() { add(is_over, -std::numeric_limits<float>::infinity()); }
+  // There is a bottom.
+  MERISTEM_INLINE std::uint32_t take(float t_max) {
+    do --count;
+    while (t[count] > t_max);
+    return child[count];
+  }
+  void add_children(const SurfaceTree::Node& node, std::uint32_t index, bool in_tree, unsigned met, F8 entries);
+};
+
+// Without branches, since what is met is as good as random: all eight are sorted by where they are entered, those that
+// are not met behind all others.
+#if MERISTEM_TREE_AVX2
+// The key of the child at each place with that of its partner; the lesser goes to the places in the mask Later.
+template <int Later>
+MERISTEM_INLINE __m256i exchange(__m256i keys, __m256i partners) {
+  return _mm256_blend_epi32(_mm256_max_epi32(keys, partners), _mm256_min_epi32(keys, partners), Later);
+}
+template <int Partners>
+MERISTEM_INLINE __m256i in_fours(__m256i keys) {
+  return _mm256_shuffle_epi32(keys, Partners);
+}
+
+MERISTEM_INLINE __m256i sorted_downwards(__m256i k) {
+  constexpr int flip_2 = _MM_SHUFFLE(2, 3, 0, 1), flip_4 = _MM_SHUFFLE(0, 1, 2, 3), by_2 = _MM_SHUFFLE(1, 0, 3, 2);
+  k = exchange<0xaa>(k, in_fours<flip_2>(k));
+  k = exchange<0xcc>(k, in_fours<flip_4>(k));
+  k = exchange<0xaa>(k, in_fours<flip_2>(k));
+  k = exchange<0xf0>(k, _mm256_permute4x64_epi64(in_fours<flip_4>(k), _MM_SHUFFLE(1, 0, 3, 2)));
+  k = exchange<0xcc>(k, in_fours<by_2>(k));
+  return exchange<0xaa>(k, in_fours<flip_2>(k));
+}
+
+MERISTEM_INLINE void Stack::add_children(const SurfaceTree::Node& node, std::uint32_t index, bool in_tree, unsigned met,
+                                         F8 entries) {
+  const __m256i places = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  const __m256i first = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(node.first));
+  const __m256i numbers = _mm256_add_epi32(_mm256_set1_epi32(int(8 * index)), places);
+  const __m256i ends = _mm256_or_si256(_mm256_blendv_epi8(first, numbers, _mm256_set1_epi32(-int(in_tree))),
+                                       _mm256_set1_epi32(int(is_end)));
+  const __m256i shapes = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(node.shape)));
+  const __m256i children = _mm256_blendv_epi8(ends, first, _mm256_cmpeq_epi32(shapes, _mm256_setzero_si256()));
+  // Positive floats are ordered as their bits are; the last three say which child it is.
+  const __m256i bit = _mm256_sllv_epi32(_mm256_set1_epi32(1), places);
+  const __m256i is_met = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(int(met)), bit), bit);
+  const __m256i of_t = _mm256_set1_epi32(0x7ffffff8);
+  __m256i keys = _mm256_or_si256(_mm256_and_si256(_mm256_castps_si256(entries), of_t), places);
+  keys = sorted_downwards(_mm256_blendv_epi8(_mm256_set1_epi32(-1), keys, is_met));
+  _mm256_storeu_ps(t + count, _mm256_castsi256_ps(_mm256_and_si256(keys, of_t)));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(child + count), _mm256_permutevar8x32_epi32(children, keys));
+  count += std::size_t(std::popcount(met));
+}
+#else
+inline void Stack::add_children(const SurfaceTree::Node& node, std::uint32_t index, bool in_tree, unsigned met,
+                                F8 entries) {
+  alignas(16) float entry[8];
+  store(entry, entries);
+  const std::size_t begin = count;
+  for (; met; met &= met - 1) {
+    const auto place = std::uint32_t(std::countr_zero(met));
+    const std::uint32_t first = node.first[place];
+    std::size_t at = count++;
+    for (; at > begin && t[at - 1] < entry[place]; --at) t[at] = t[at - 1], child[at] = child[at - 1];
+    t[at] = entry[place];
+    child[at] = node.shape[place] == 0 ? first : (in_tree ? 8 * index + place : first) | is_end;
+  }
+}
+#endif
+
 // The place of one ray. It is in a braid, or in one of its trees, or in a tree alone.
 struct Lane {
-  alignas(32) float entries[8];    // into the children of the node,
-  unsigned met;                    // that it may meet
   std::uint32_t child;             // where it is: a node or an end
   const SurfaceTree::Node* nodes;  // of the braid or the tree
   const TreeRay* ray;
   float t_min;
   bool in_tree, any;
   TreeHit hit;         // of the tree; t is the end of the ray everywhere
-  std::size_t count;   // of those that wait,
-  std::size_t bottom;  // and of them that belong to the braid around the tree it is in
-  Entered stack[2 * SurfaceTree::most_waiting];
+  std::size_t bottom;  // of what waits in the tree
   TreeView tree;
   std::uint32_t owner;  // of the tree
   Braid::View braid;
   StreamRay* traveller;
+  Stack waiting;
 
-  // The boxes of a node; the ray is in one.
-  void test();
-  // Each returns false when the ray has arrived.
+  bool is_at_node() const { return !(child & is_end); }
+
+  // False: the ray has no way.
   bool begin(StreamRay& next);
-  bool go_on();
+  // From a node to the nearest of its children that the ray may meet, or to what waits.
+  void descend();
+  // From an end; false: the ray has arrived.
+  bool pass_end();
+  void prefetch_end() const;
 
  private:
   bool begin_leg();
+  bool go_to_place();
   void enter_tree(const Braid::Strand& strand);
   bool leave_tree();
-  bool take();
-  bool take_next();
-  bool meet_block_here();
-  bool enter_strand();
-  void choose();
-  void prefetch() const;
+  void enter_strand();
 };
 
 [[gnu::noinline]] bool Lane::begin_leg() {
@@ -50,11 +132,12 @@ struct Lane {
   t_min = leg.t_min;
   braid = leg.braid;
   hit = {traveller->t_max};
-  count = bottom = 0;
+  waiting.count = 0;
   if (braid.nodes) {
     in_tree = false;
     nodes = braid.nodes;
     child = 0;
+    waiting.add_bottom();
   } else {
     enter_tree(leg.tree);
   }
@@ -64,7 +147,7 @@ struct Lane {
 bool Lane::begin(StreamRay& next) {
   traveller = &next;
   any = next.any;
-  return begin_leg();
+  return begin_leg() && go_to_place();
 }
 
 MERISTEM_INLINE void Lane::enter_tree(const Braid::Strand& strand) {
@@ -73,109 +156,89 @@ MERISTEM_INLINE void Lane::enter_tree(const Braid::Strand& strand) {
   nodes = strand.nodes;
   owner = strand.owner;
   child = strand.start;
-  bottom = count;
+  bottom = waiting.count;
+  waiting.add_bottom();
   hit.triangle = TreeHit::none;
 }
 
-// False: there is no braid around it.
-bool Lane::leave_tree() {
+// Back to the braid; false: there is none around it.
+MERISTEM_INLINE bool Lane::leave_tree() {
   if (hit.triangle != TreeHit::none) {
     traveller->met(owner, hit);
     hit.t = traveller->t_max;
   }
   in_tree = false;
   nodes = braid.nodes;
-  bottom = 0;
-  return nodes != nullptr;
-}
-
-MERISTEM_INLINE bool Lane::take() {
-  while (count > bottom) {
-    --count;
-    if (stack[count].t > hit.t) continue;
-    child = stack[count].child;
-    return true;
-  }
-  return false;
-}
-
-MERISTEM_INLINE bool Lane::take_next() {
-  if (take()) return true;
-  if (!in_tree) return begin_leg();
-  return leave_tree() && take() ? true : begin_leg();
-}
-
-MERISTEM_INLINE bool Lane::meet_block_here() {
-  const std::uint32_t block = child & ~is_end;
-  switch (ray->axis) {
-    case 0: return meet_block<0, false>(tree, block, RayLanes<0>(*ray, t_min), hit);
-    case 1: return meet_block<1, false>(tree, block, RayLanes<1>(*ray, t_min), hit);
-    default: return meet_block<2, false>(tree, block, RayLanes<2>(*ray, t_min), hit);
-  }
+  waiting.count = bottom;
+  if (!nodes) return false;
+  child = waiting.take(hit.t);
+  return true;
 }
 
 // Enters a tree, or whatever else stands at the end of a braid. Strands are few and mostly near.
-MERISTEM_INLINE bool Lane::enter_strand() {
+MERISTEM_INLINE void Lane::enter_strand() {
   const Braid::Strand& strand = braid.strands[child & ~is_end];
-  if (strand.nodes) {
-    enter_tree(strand);
-    return true;
-  }
+  if (strand.nodes) return enter_tree(strand);
   traveller->enter(strand.owner);
   hit.t = traveller->t_max;
-  return take_next();
+  child = waiting.take(hit.t);
 }
 
-// On to the nearest of the children that the ray may meet, or any of them; the others wait.
-MERISTEM_INLINE void Lane::choose() {
-  const SurfaceTree::Node& node = nodes[child];
-  const std::uint32_t number = 8 * child, by_number = in_tree ? ~0u : 0;
-  const auto entered = [&](unsigned set) {
-    const auto place = std::uint32_t(std::countr_zero(set));
-    const std::uint32_t first = node.first[place];
-    const std::uint32_t end = (by_number & (number + place)) | (~by_number & first) | is_end;
-    return Entered{node.shape[place] == 0 ? first : end, entries[place]};
-  };
-  Entered nearest = entered(met);
-  const std::size_t begin = count;
-  for (unsigned rest = met & (met - 1); rest; rest &= rest - 1) {
-    Entered farther = entered(rest);
-    std::size_t at = count++;
-    if (!any) {
-      if (farther.t < nearest.t) std::swap(farther, nearest);
-      for (; at > begin && stack[at - 1].t < farther.t; --at) stack[at] = stack[at - 1];
+// To a node or a block.
+MERISTEM_INLINE bool Lane::go_to_place() {
+  while (!is_at_node()) {
+    if (child == is_over) {
+      if (!(in_tree && leave_tree()) && !begin_leg()) return false;
+    } else if (in_tree) {
+      return true;
+    } else {
+      enter_strand();
     }
-    stack[at] = farther;
   }
-  child = nearest.child;
-}
-
-// What it needs next.
-MERISTEM_INLINE void Lane::prefetch() const {
-  if (!(child & is_end))
-    prefetch_node(nodes[child]);
-  else
-    OfTree{tree}.prefetch(nodes[(child & ~is_end) / 8], child % 8);
-}
-
-MERISTEM_INLINE void Lane::test() {
-  F8 from;
-  met = meet_children(nodes[child], *ray, splat(t_min), hit.t, from);
-  store(entries, from);
-}
-
-MERISTEM_INLINE bool Lane::go_on() {
-  if (!(child & is_end) && met != 0) {
-    choose();
-  } else {
-    if ((child & is_end) && meet_block_here() && any) count = bottom;
-    if (!take_next()) return false;
-  }
-  while ((child & is_end) && !in_tree)
-    if (!enter_strand()) return false;
-  prefetch();
   return true;
 }
+
+MERISTEM_INLINE bool Lane::pass_end() {
+  if (in_tree && child != is_over) {
+    if (meet_block<false>(tree, child & ~is_end, RayLanes(*ray, t_min), hit) && any) waiting.count = bottom + 1;
+    child = waiting.take(hit.t);
+  }
+  return go_to_place();
+}
+
+MERISTEM_INLINE void Lane::prefetch_end() const {
+  if (child == is_over) return;
+  if (in_tree)
+    OfTree{tree}.prefetch(nodes[(child & ~is_end) / 8], child % 8);
+  else
+    _mm_prefetch(reinterpret_cast<const char*>(braid.strands + (child & ~is_end)), _MM_HINT_T0);
+}
+
+MERISTEM_INLINE void Lane::descend() {
+  F8 entries;
+  const SurfaceTree::Node& node = nodes[child];
+  const unsigned met = meet_children(node, *ray, splat(t_min), hit.t, entries);
+  waiting.add_children(node, child, in_tree, met, entries);
+  const std::uint32_t next = waiting.take(hit.t);
+  const std::uint32_t ends = std::uint32_t(std::int32_t(next) >> 31);  // all bits of an end, none of a node
+  prefetch_node(nodes[next & ~ends]);                                  // of the root for an end: no branch
+  child = next;
+}
+
+// Lanes by where they are: those at nodes go on one after the other without a branch between them.
+struct Lanes {
+  Lane* at_node[RayStream::most_lanes];
+  Lane* at_end[RayStream::most_lanes];
+  int nodes = 0, ends = 0;
+
+  MERISTEM_INLINE void add(Lane* lane) {
+    const bool is_at_node = lane->is_at_node();
+    at_node[nodes] = lane;
+    at_end[ends] = lane;
+    nodes += is_at_node;
+    ends += !is_at_node;
+  }
+};
 
 // The next ray that has a way at all.
 [[gnu::noinline]] bool fill(RayStream& rays, int place, Lane& lane) {
@@ -186,21 +249,20 @@ MERISTEM_INLINE bool Lane::go_on() {
 
 void run_stream(RayStream& rays) {
   Lane lanes[RayStream::most_lanes];
-  Lane* alive[RayStream::most_lanes];
-  int count = 0;
-  while (count < RayStream::most_lanes && fill(rays, count, lanes[count])) alive[count] = &lanes[count], ++count;
-  while (count > 0) {
-    for (int i = 0; i < count; ++i) {
-      Lane& lane = *alive[i];
-      if (!(lane.child & is_end)) lane.test();
+  Lanes both[2], *now = &both[0], *next = &both[1];
+  for (int i = 0; i < RayStream::most_lanes && fill(rays, i, lanes[i]); ++i) now->add(&lanes[i]);
+  while (now->nodes + now->ends > 0) {
+    next->nodes = next->ends = 0;
+    for (int i = 0; i < now->nodes; ++i) {
+      now->at_node[i]->descend();
+      next->add(now->at_node[i]);
     }
-    for (int i = 0; i < count;) {
-      Lane& lane = *alive[i];
-      if (lane.go_on() || fill(rays, int(&lane - lanes), lane))
-        ++i;
-      else
-        alive[i] = alive[--count];
+    for (int i = 0; i < now->ends; ++i) {
+      Lane& lane = *now->at_end[i];
+      if (lane.pass_end() || fill(rays, int(&lane - lanes), lane)) next->add(&lane);
     }
+    for (int i = 0; i < next->ends; ++i) next->at_end[i]->prefetch_end();
+    std::swap(now, next);
   }
 }
 

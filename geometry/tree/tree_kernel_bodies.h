@@ -45,6 +45,14 @@ MERISTEM_INLINE F8 lane(__m128 a) {
   if constexpr (I == 0) return _mm256_broadcastss_ps(a);
   return _mm256_permutevar8x32_ps(_mm256_castps128_ps256(a), _mm256_set1_epi32(I));
 }
+// The order of lanes within each half, as bytes.
+typedef __m256i LaneOrder;
+MERISTEM_INLINE LaneOrder load_order(const std::uint8_t* bytes) {
+  return _mm256_broadcastsi128_si256(_mm_load_si128(reinterpret_cast<const __m128i*>(bytes)));
+}
+MERISTEM_INLINE F8 ordered(F8 a, LaneOrder order) {
+  return _mm256_castsi256_ps(_mm256_shuffle_epi8(_mm256_castps_si256(a), order));
+}
 // In both halves, of four points each: the i-th of all.
 MERISTEM_INLINE void transpose(F8 p0, F8 p1, F8 p2, F8 p3, F8 (&out)[3]) {
   const F8 xy01 = _mm256_unpacklo_ps(p0, p1), xy23 = _mm256_unpacklo_ps(p2, p3);
@@ -108,6 +116,14 @@ MERISTEM_INLINE F8 lane(__m128 a) {
   a = _mm_shuffle_ps(a, a, _MM_SHUFFLE(I, I, I, I));
   return {a, a};
 }
+typedef __m128i LaneOrder;
+MERISTEM_INLINE LaneOrder load_order(const std::uint8_t* bytes) {
+  return _mm_load_si128(reinterpret_cast<const __m128i*>(bytes));
+}
+MERISTEM_INLINE __m128 ordered(__m128 a, LaneOrder order) {
+  return _mm_castsi128_ps(_mm_shuffle_epi8(_mm_castps_si128(a), order));
+}
+MERISTEM_INLINE F8 ordered(F8 a, LaneOrder order) { return {ordered(a.low, order), ordered(a.high, order)}; }
 MERISTEM_INLINE void transpose4(__m128 p0, __m128 p1, __m128 p2, __m128 p3, __m128& x, __m128& y, __m128& z) {
   const __m128 xy01 = _mm_unpacklo_ps(p0, p1), xy23 = _mm_unpacklo_ps(p2, p3);
   const __m128 z01 = _mm_unpackhi_ps(p0, p1), z23 = _mm_unpackhi_ps(p2, p3);
@@ -126,25 +142,38 @@ struct Sheared {
   F8 x, y, z;
 };
 
-// What does not change while a ray goes through trees. Z is the axis of the ray.
-template <int Z>
+// Makes the longest axis of a ray the last.
+alignas(16) constexpr std::uint8_t orders_by_axis[3][16] = {
+    {4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 12, 13, 14, 15},
+    {8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 12, 13, 14, 15},
+    {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15},
+};
+
+// What does not change while a ray goes through trees.
 struct RayLanes {
   RayLanes(const TreeRay& r, float t_from)
       : ray(r),
-        origin{splat(r.origin[0]), splat(r.origin[1]), splat(r.origin[2])},
+        order(load_order(orders_by_axis[r.axis])),
         shear_x(splat(r.shear_x)),
         shear_y(splat(r.shear_y)),
         shear_z(splat(r.shear_z)),
-        t_min(splat(t_from)) {}
+        t_min(splat(t_from)) {
+    const __m128 o = _mm_load_ps(r.origin.data());
+    const F8 turned = ordered(join(o, o), order);
+    transpose(turned, turned, turned, turned, origin);
+  }
 
-  MERISTEM_INLINE Sheared sheared(const F8 (&p)[3]) const {
-    constexpr int x = (Z + 1) % 3, y = (Z + 2) % 3;
-    const F8 along = sub(p[Z], origin[Z]);
-    return {sub(sub(p[x], origin[x]), mul(shear_x, along)), sub(sub(p[y], origin[y]), mul(shear_y, along)),
+  // Of points 0 to 3 in the lower halves, 4 to 7 in the upper.
+  MERISTEM_INLINE Sheared sheared(F8 p0, F8 p1, F8 p2, F8 p3) const {
+    F8 p[3];
+    transpose(ordered(p0, order), ordered(p1, order), ordered(p2, order), ordered(p3, order), p);
+    const F8 along = sub(p[2], origin[2]);
+    return {sub(sub(p[0], origin[0]), mul(shear_x, along)), sub(sub(p[1], origin[1]), mul(shear_y, along)),
             mul(shear_z, along)};
   }
 
   const TreeRay& ray;
+  LaneOrder order;
   F8 origin[3];
   F8 shear_x, shear_y, shear_z;
   F8 t_min;
@@ -154,10 +183,8 @@ MERISTEM_INLINE __m128 load_point(const Vec3f* p) { return _mm_loadu_ps(&p->x); 
 
 // The corners of a block's triangles. Of a quad these are (00, 10, 01), lanes 0 to 3, and (11, 01, 10), lanes 4 to 7.
 // Where there are fewer columns, rows or triangles, some appear twice, or have no area.
-template <int Z>
-MERISTEM_INLINE void load_corners(const TreeView& tree, std::uint32_t block, const RayLanes<Z>& ray, Sheared& a,
+MERISTEM_INLINE void load_corners(const TreeView& tree, std::uint32_t block, const RayLanes& ray, Sheared& a,
                                   Sheared& b, Sheared& c) {
-  F8 p[3];
   const SurfaceTree::Node& node = tree.nodes[block / 8];
   const std::uint32_t first = node.first[block % 8], stride = node.stride[block % 8], shape = node.shape[block % 8];
   if (stride > 0) {
@@ -165,12 +192,10 @@ MERISTEM_INLINE void load_corners(const TreeView& tree, std::uint32_t block, con
     const Vec3f* const r1 = r0 + stride;
     const Vec3f* const r2 = r0 + stride * (shape / 16);
     const std::uint32_t last = shape % 16;
-    transpose(join(load_point(r0), load_point(r1 + 1)), join(load_point(r0 + 1), load_point(r1 + last)),
-              join(load_point(r1), load_point(r2 + 1)), join(load_point(r1 + 1), load_point(r2 + last)), p);
-    a = ray.sheared(p);
-    transpose(join(load_point(r0 + 1), load_point(r1)), join(load_point(r0 + last), load_point(r1 + 1)),
-              join(load_point(r1 + 1), load_point(r2)), join(load_point(r1 + last), load_point(r2 + 1)), p);
-    b = ray.sheared(p);
+    a = ray.sheared(join(load_point(r0), load_point(r1 + 1)), join(load_point(r0 + 1), load_point(r1 + last)),
+                    join(load_point(r1), load_point(r2 + 1)), join(load_point(r1 + 1), load_point(r2 + last)));
+    b = ray.sheared(join(load_point(r0 + 1), load_point(r1)), join(load_point(r0 + last), load_point(r1 + 1)),
+                    join(load_point(r1 + 1), load_point(r2)), join(load_point(r1 + last), load_point(r2 + 1)));
     c = {swap_halves(b.x), swap_halves(b.y), swap_halves(b.z)};
     return;
   }
@@ -181,15 +206,14 @@ MERISTEM_INLINE void load_corners(const TreeView& tree, std::uint32_t block, con
   Sheared* const out[3] = {&a, &b, &c};
   for (int k = 0; k < 3; ++k) {
     const auto point = [&](int i) { return load_point(tree.positions + corners[i][k]); };
-    transpose(join(point(0), point(4)), join(point(1), point(5)), join(point(2), point(6)), join(point(3), point(7)),
-              p);
-    *out[k] = ray.sheared(p);
+    *out[k] = ray.sheared(join(point(0), point(4)), join(point(1), point(5)), join(point(2), point(6)),
+                          join(point(3), point(7)));
   }
 }
 
 // Woop et al. 2013: U, V, W are twice the signed areas of the triangles that the ray makes with the edges.
-template <int Z, bool Any>
-MERISTEM_INLINE bool meet_block(const TreeView& tree, std::uint32_t block, const RayLanes<Z>& ray, TreeHit& hit) {
+template <bool Any>
+MERISTEM_INLINE bool meet_block(const TreeView& tree, std::uint32_t block, const RayLanes& ray, TreeHit& hit) {
   Sheared a, b, c;
   load_corners(tree, block, ray, a, b, c);
   const F8 u = sub(mul(c.x, b.y), mul(c.y, b.x)), v = sub(mul(a.x, c.y), mul(a.y, c.x)),
@@ -313,8 +337,8 @@ struct OfBraid {
 
 // Goes on from a node to the nearest of its children that the ray may meet up to t; the others wait. Any: to the first
 // of them. False: it meets none.
-template <bool Any, class Of, int Z>
-MERISTEM_INLINE bool descend(const Of& of, std::uint32_t& index, const RayLanes<Z>& ray, float t, Waiting& waiting) {
+template <bool Any, class Of>
+MERISTEM_INLINE bool descend(const Of& of, std::uint32_t& index, const RayLanes& ray, float t, Waiting& waiting) {
   const SurfaceTree::Node& node = of.node(index);
   F8 entries;
   unsigned met = meet_children(node, ray.ray, ray.t_min, t, entries);
@@ -345,14 +369,14 @@ MERISTEM_INLINE bool descend(const Of& of, std::uint32_t& index, const RayLanes<
 }
 
 // From a node or block of the tree on.
-template <bool Any, int Z>
-bool trace(const TreeView& tree, std::uint32_t start, const RayLanes<Z>& ray, TreeHit& hit) {
+template <bool Any>
+bool trace(const TreeView& tree, std::uint32_t start, const RayLanes& ray, TreeHit& hit) {
   Waiting waiting;
   bool found = false;
   for (std::uint32_t child = start;;) {
     if (!(child & is_end)) {
       if (descend<Any>(OfTree{tree}, child, ray, hit.t, waiting)) continue;
-    } else if (meet_block<Z, Any>(tree, child & ~is_end, ray, hit)) {
+    } else if (meet_block<Any>(tree, child & ~is_end, ray, hit)) {
       if constexpr (Any) return true;
       found = true;
     }
@@ -360,8 +384,8 @@ bool trace(const TreeView& tree, std::uint32_t start, const RayLanes<Z>& ray, Tr
   }
 }
 
-template <bool Any, int Z>
-bool trace(const Braid::View& braid, const RayLanes<Z>& ray, BraidVisitor& visitor) {
+template <bool Any>
+bool trace(const Braid::View& braid, const RayLanes& ray, BraidVisitor& visitor) {
   Waiting waiting;
   for (std::uint32_t child = 0;;) {
     if (!(child & is_end)) {
@@ -384,30 +408,21 @@ bool trace(const Braid::View& braid, const RayLanes<Z>& ray, BraidVisitor& visit
   }
 }
 
-template <class Trace>
-MERISTEM_INLINE bool along_axis(const TreeRay& ray, float t_min, const Trace& trace) {
-  switch (ray.axis) {
-    case 0: return trace(RayLanes<0>(ray, t_min));
-    case 1: return trace(RayLanes<1>(ray, t_min));
-    default: return trace(RayLanes<2>(ray, t_min));
-  }
-}
-
 bool intersect(const TreeView& tree, const TreeRay& ray, float t_min, TreeHit& hit) {
-  return along_axis(ray, t_min, [&](const auto& lanes) { return trace<false>(tree, 0, lanes, hit); });
+  return trace<false>(tree, 0, RayLanes(ray, t_min), hit);
 }
 
 bool occluded(const TreeView& tree, const TreeRay& ray, float t_min, float t_max) {
   TreeHit hit{t_max};
-  return along_axis(ray, t_min, [&](const auto& lanes) { return trace<true>(tree, 0, lanes, hit); });
+  return trace<true>(tree, 0, RayLanes(ray, t_min), hit);
 }
 
 void intersect_braid(const Braid::View& braid, const TreeRay& ray, float t_min, BraidVisitor& visitor) {
-  along_axis(ray, t_min, [&](const auto& lanes) { return trace<false>(braid, lanes, visitor); });
+  trace<false>(braid, RayLanes(ray, t_min), visitor);
 }
 
 bool occlude_braid(const Braid::View& braid, const TreeRay& ray, float t_min, BraidVisitor& visitor) {
-  return along_axis(ray, t_min, [&](const auto& lanes) { return trace<true>(braid, lanes, visitor); });
+  return trace<true>(braid, RayLanes(ray, t_min), visitor);
 }
 
 }  // namespace
