@@ -30,7 +30,8 @@ struct Stack {
     while (t[count] > t_max);
     return child[count];
   }
-  void add_children(const SurfaceTree::Node& node, std::uint32_t index, bool in_tree, unsigned met, F8 entries);
+  // Those of a node that are met; ends by 8 * node + child.
+  void add_children(const SurfaceTree::Node& node, std::uint32_t index, const Children& met);
 };
 
 // Without branches, since what is met is as good as random: all eight are sorted by where they are entered, those that
@@ -56,38 +57,33 @@ MERISTEM_INLINE __m256i sorted_downwards(__m256i k) {
   return exchange<0xaa>(k, in_fours<flip_2>(k));
 }
 
-MERISTEM_INLINE void Stack::add_children(const SurfaceTree::Node& node, std::uint32_t index, bool in_tree, unsigned met,
-                                         F8 entries) {
+MERISTEM_INLINE void Stack::add_children(const SurfaceTree::Node& node, std::uint32_t index, const Children& met) {
   const __m256i places = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+  const __m256i ends = _mm256_or_si256(_mm256_set1_epi32(int(8 * index | is_end)), places);
   const __m256i first = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(node.first));
-  const __m256i numbers = _mm256_add_epi32(_mm256_set1_epi32(int(8 * index)), places);
-  const __m256i ends = _mm256_or_si256(_mm256_blendv_epi8(first, numbers, _mm256_set1_epi32(-int(in_tree))),
-                                       _mm256_set1_epi32(int(is_end)));
   const __m256i shapes = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(node.shape)));
   const __m256i children = _mm256_blendv_epi8(ends, first, _mm256_cmpeq_epi32(shapes, _mm256_setzero_si256()));
   // Positive floats are ordered as their bits are; the last three say which child it is.
-  const __m256i bit = _mm256_sllv_epi32(_mm256_set1_epi32(1), places);
-  const __m256i is_met = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(int(met)), bit), bit);
   const __m256i of_t = _mm256_set1_epi32(0x7ffffff8);
-  __m256i keys = _mm256_or_si256(_mm256_and_si256(_mm256_castps_si256(entries), of_t), places);
+  const __m256i is_met = _mm256_and_si256(_mm256_castps_si256(_mm256_cmp_ps(met.entries, met.exits, _CMP_LE_OQ)),
+                                          _mm256_cmpgt_epi32(_mm256_set1_epi32(node.children), places));
+  __m256i keys = _mm256_or_si256(_mm256_and_si256(_mm256_castps_si256(met.entries), of_t), places);
   keys = sorted_downwards(_mm256_blendv_epi8(_mm256_set1_epi32(-1), keys, is_met));
   _mm256_storeu_ps(t + count, _mm256_castsi256_ps(_mm256_and_si256(keys, of_t)));
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(child + count), _mm256_permutevar8x32_epi32(children, keys));
-  count += std::size_t(std::popcount(met));
+  count += std::size_t(std::popcount(unsigned(_mm256_movemask_ps(_mm256_castsi256_ps(is_met)))));
 }
 #else
-inline void Stack::add_children(const SurfaceTree::Node& node, std::uint32_t index, bool in_tree, unsigned met,
-                                F8 entries) {
+inline void Stack::add_children(const SurfaceTree::Node& node, std::uint32_t index, const Children& met) {
   alignas(16) float entry[8];
-  store(entry, entries);
+  store(entry, met.entries);
   const std::size_t begin = count;
-  for (; met; met &= met - 1) {
-    const auto place = std::uint32_t(std::countr_zero(met));
-    const std::uint32_t first = node.first[place];
+  for (unsigned rest = met.of(node); rest; rest &= rest - 1) {
+    const auto place = std::uint32_t(std::countr_zero(rest));
     std::size_t at = count++;
     for (; at > begin && t[at - 1] < entry[place]; --at) t[at] = t[at - 1], child[at] = child[at - 1];
     t[at] = entry[place];
-    child[at] = node.shape[place] == 0 ? first : (in_tree ? 8 * index + place : first) | is_end;
+    child[at] = node.shape[place] == 0 ? node.first[place] : (8 * index + place) | is_end;
   }
 }
 #endif
@@ -177,7 +173,7 @@ MERISTEM_INLINE bool Lane::leave_tree() {
 
 // Enters a tree, or whatever else stands at the end of a braid. Strands are few and mostly near.
 MERISTEM_INLINE void Lane::enter_strand() {
-  const Braid::Strand& strand = braid.strands[child & ~is_end];
+  const Braid::Strand& strand = braid.strands[nodes[(child & ~is_end) / 8].first[child % 8]];
   if (strand.nodes) return enter_tree(strand);
   traveller->enter(strand.owner);
   hit.t = traveller->t_max;
@@ -208,17 +204,16 @@ MERISTEM_INLINE bool Lane::pass_end() {
 
 MERISTEM_INLINE void Lane::prefetch_end() const {
   if (child == is_over) return;
+  const SurfaceTree::Node& node = nodes[(child & ~is_end) / 8];
   if (in_tree)
-    OfTree{tree}.prefetch(nodes[(child & ~is_end) / 8], child % 8);
+    OfTree{tree}.prefetch(node, child % 8);
   else
-    _mm_prefetch(reinterpret_cast<const char*>(braid.strands + (child & ~is_end)), _MM_HINT_T0);
+    OfBraid{braid}.prefetch(node, child % 8);
 }
 
 MERISTEM_INLINE void Lane::descend() {
-  F8 entries;
   const SurfaceTree::Node& node = nodes[child];
-  const unsigned met = meet_children(node, *ray, splat(t_min), hit.t, entries);
-  waiting.add_children(node, child, in_tree, met, entries);
+  waiting.add_children(node, child, meet_children(node, *ray, splat(t_min), hit.t));
   const std::uint32_t next = waiting.take(hit.t);
   const std::uint32_t ends = std::uint32_t(std::int32_t(next) >> 31);  // all bits of an end, none of a node
   prefetch_node(nodes[next & ~ends]);                                  // of the root for an end: no branch

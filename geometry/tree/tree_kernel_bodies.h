@@ -50,6 +50,9 @@ typedef __m256i LaneOrder;
 MERISTEM_INLINE LaneOrder load_order(const std::uint8_t* bytes) {
   return _mm256_broadcastsi128_si256(_mm_load_si128(reinterpret_cast<const __m128i*>(bytes)));
 }
+MERISTEM_INLINE __m128 ordered(__m128 a, LaneOrder order) {
+  return _mm_castsi128_ps(_mm_shuffle_epi8(_mm_castps_si128(a), _mm256_castsi256_si128(order)));
+}
 MERISTEM_INLINE F8 ordered(F8 a, LaneOrder order) {
   return _mm256_castsi256_ps(_mm256_shuffle_epi8(_mm256_castps_si256(a), order));
 }
@@ -158,9 +161,10 @@ struct RayLanes {
         shear_y(splat(r.shear_y)),
         shear_z(splat(r.shear_z)),
         t_min(splat(t_from)) {
-    const __m128 o = _mm_load_ps(r.origin.data());
-    const F8 turned = ordered(join(o, o), order);
-    transpose(turned, turned, turned, turned, origin);
+    const __m128 turned = ordered(_mm_load_ps(r.origin.data()), order);
+    origin[0] = lane<0>(turned);
+    origin[1] = lane<1>(turned);
+    origin[2] = lane<2>(turned);
   }
 
   // Of points 0 to 3 in the lower halves, 4 to 7 in the upper.
@@ -242,9 +246,17 @@ MERISTEM_INLINE bool meet_block(const TreeView& tree, std::uint32_t block, const
   return true;
 }
 
-// The children of a node that the ray may meet up to t, and from where on.
-MERISTEM_INLINE unsigned meet_children(const SurfaceTree::Node& node, const TreeRay& ray, F8 t_min, float t,
-                                       F8& entries) {
+// Where a ray enters and leaves the children of a node.
+struct Children {
+  F8 entries, exits;
+
+  // Those that it may meet.
+  MERISTEM_INLINE unsigned of(const SurfaceTree::Node& node) const {
+    return where_le(entries, exits) & ((1u << node.children) - 1);
+  }
+};
+
+MERISTEM_INLINE Children meet_children(const SurfaceTree::Node& node, const TreeRay& ray, F8 t_min, float t) {
   const __m128 origin = _mm_load_ps(ray.origin.data()), reciprocal = _mm_load_ps(ray.reciprocal.data()),
                slack = _mm_load_ps(ray.slack.data());
   const __m128 distance = _mm_sub_ps(_mm_loadu_ps(node.origin.data()), origin);
@@ -257,13 +269,13 @@ MERISTEM_INLINE unsigned meet_children(const SurfaceTree::Node& node, const Tree
   const auto near_plane = [&](int axis) { return from_bytes(node.bounds[axis][ray.near_side[axis]]); };
   const auto far_plane = [&](int axis) { return from_bytes(node.bounds[axis][1 - ray.near_side[axis]]); };
   const F8 scale_x = lane<0>(scale), scale_y = lane<1>(scale), scale_z = lane<2>(scale);
-  entries = max(
+  const F8 entries = max(
       max(mul_add_loose(near_plane(0), scale_x, lane<0>(enter)), mul_add_loose(near_plane(1), scale_y, lane<1>(enter))),
       max(mul_add_loose(near_plane(2), scale_z, lane<2>(enter)), t_min));
   const F8 exits = min(
       min(mul_add_loose(far_plane(0), scale_x, lane<0>(leave)), mul_add_loose(far_plane(1), scale_y, lane<1>(leave))),
       min(mul_add_loose(far_plane(2), scale_z, lane<2>(leave)), splat(t)));
-  return where_le(entries, exits) & ((1u << node.children) - 1);
+  return {entries, exits};
 }
 
 // A child and where the ray enters it.
@@ -340,8 +352,8 @@ struct OfBraid {
 template <bool Any, class Of>
 MERISTEM_INLINE bool descend(const Of& of, std::uint32_t& index, const RayLanes& ray, float t, Waiting& waiting) {
   const SurfaceTree::Node& node = of.node(index);
-  F8 entries;
-  unsigned met = meet_children(node, ray.ray, ray.t_min, t, entries);
+  const Children children = meet_children(node, ray.ray, ray.t_min, t);
+  unsigned met = children.of(node);
   if (met == 0) return false;
   const auto place = std::uint32_t(std::countr_zero(met));
   met &= met - 1;
@@ -350,7 +362,7 @@ MERISTEM_INLINE bool descend(const Of& of, std::uint32_t& index, const RayLanes&
     return true;
   }
   alignas(32) float ts[8];
-  store(ts, entries);
+  store(ts, children.entries);
   for (unsigned rest = met; rest; rest &= rest - 1) of.prefetch(node, std::uint32_t(std::countr_zero(rest)));
   Entered nearest{of.child(node, index, place), ts[place]};
   const std::size_t first = waiting.count;
