@@ -1,6 +1,17 @@
 #include "geometry/accel/streamed_rays.h"
 
+#include <cmath>
+
 namespace meristem {
+
+namespace {
+
+// As cosine of the angle between them: beyond it rays part soon.
+constexpr float least_alike = 0.995f;
+
+bool are_alike(Vec3f a, Vec3f b) { return dot(a, b) >= least_alike * std::sqrt(dot(a, a) * dot(b, b)); }
+
+}  // namespace
 
 class StreamedRays::Held {
  public:
@@ -28,6 +39,22 @@ StreamRay* StreamedRays::next(int lane) {
   if (next_ == queries_.size()) return nullptr;
   traveller.begin(queries_[next_++], *this);
   return &traveller;
+}
+
+void StreamedRays::run_packets() {
+  while (next_ < queries_.size()) {
+    const Ray& first = *queries_[next_].ray;
+    RayPacket packet;
+    std::size_t count = 0;
+    while (next_ < queries_.size() && count < RayPacket::most &&
+           are_alike(first.direction, queries_[next_].ray->direction)) {
+      Traveller& traveller = travellers_[count++];
+      traveller.begin(queries_[next_++], *this);
+      packet.add(traveller);
+    }
+    packet.run();
+    for (std::size_t i = 0; i < count; ++i) travellers_[i].end();
+  }
 }
 
 void StreamedRays::Traveller::begin(RayQuery& query, StreamedRays& rays) {

@@ -1,12 +1,14 @@
 // StreamedRays: rays of one thread that go through the world together.
 //
-// Their ways lead through braided cells and flat surfaces of the world's objects. What is not resident, or stands in
-// instances within an object, each enters by itself while the others wait.
+// Those that go nearly the same way go through it as packets, others as a stream. Their ways lead through braided cells
+// and flat surfaces of the world's objects. What is not resident, or stands in instances within an object, each enters
+// by itself while the others wait.
 #pragma once
 
 #include "geometry/accel/class_worlds.h"
 #include "geometry/accel/intersector.h"
 #include "geometry/accel/tracing.h"
+#include "geometry/tree/ray_packet.h"
 
 #include <array>
 #include <optional>
@@ -20,6 +22,9 @@ class StreamedRays final : public RayStream {
   // direction.
   StreamedRays(const ClassWorlds& worlds, ExpansionRecorder* recorder, std::span<RayQuery> queries)
       : worlds_(worlds), recorder_(recorder), queries_(queries) {}
+
+  // Instead of run(): rays that follow each other go nearly the same way.
+  void run_packets();
 
   StreamRay* next(int lane) override;
   std::uint64_t acquired() const { return acquired_; }  // cells that were asked for, by all

@@ -96,13 +96,16 @@ class World final : public Intersector {
     return query.tfar < 0;
   }
 
-  void trace(std::span<RayQuery> queries) const override {
+  void trace(std::span<RayQuery> queries, bool are_alike) const override {
     const auto is_sound = [](const RayQuery& q) { return is_valid(*q.ray); };
     if (queries.size() < 2 || !has_passages_ || !std::ranges::all_of(queries, is_sound))
-      return Intersector::trace(queries);
+      return Intersector::trace(queries, are_alike);
     const VisitIfEvicted visit(cache_);
     StreamedRays rays(*worlds_, recorder_.get(), queries);
-    rays.run();
+    if (are_alike)
+      rays.run_packets();
+    else
+      rays.run();
     if (rays.acquired() > 0) cache_.count_acquired(rays.acquired());
   }
 

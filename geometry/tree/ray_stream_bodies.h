@@ -173,7 +173,7 @@ MERISTEM_INLINE bool Lane::leave_tree() {
 
 // Enters a tree, or whatever else stands at the end of a braid. Strands are few and mostly near.
 MERISTEM_INLINE void Lane::enter_strand() {
-  const Braid::Strand& strand = braid.strands[nodes[(child & ~is_end) / 8].first[child % 8]];
+  const Braid::Strand& strand = OfBraid{braid}.strand(child & ~is_end);
   if (strand.nodes) return enter_tree(strand);
   traveller->enter(strand.owner);
   hit.t = traveller->t_max;

@@ -34,7 +34,10 @@ MERISTEM_INLINE unsigned where_lt(F8 a, F8 b) { return unsigned(_mm256_movemask_
 MERISTEM_INLINE unsigned where_zero(F8 a) {
   return unsigned(_mm256_movemask_ps(_mm256_cmp_ps(a, _mm256_setzero_ps(), _CMP_EQ_OQ)));
 }
+MERISTEM_INLINE F8 load(const float* p) { return _mm256_load_ps(p); }
 MERISTEM_INLINE void store(float* p, F8 a) { _mm256_storeu_ps(p, a); }
+MERISTEM_INLINE __m128 lower(F8 a) { return _mm256_castps256_ps128(a); }
+MERISTEM_INLINE __m128 upper(F8 a) { return _mm256_extractf128_ps(a, 1); }
 MERISTEM_INLINE F8 join(__m128 low, __m128 high) { return _mm256_insertf128_ps(_mm256_castps128_ps256(low), high, 1); }
 MERISTEM_INLINE F8 swap_halves(F8 a) { return _mm256_permute2f128_ps(a, a, 1); }
 MERISTEM_INLINE F8 from_bytes(const std::uint8_t* p) {
@@ -104,10 +107,13 @@ MERISTEM_INLINE unsigned where_lt(F8 a, F8 b) {
 MERISTEM_INLINE unsigned where_zero(F8 a) {
   return bits(both(a, splat(0), [](__m128 x, __m128 y) { return _mm_cmpeq_ps(x, y); }));
 }
+MERISTEM_INLINE F8 load(const float* p) { return {_mm_load_ps(p), _mm_load_ps(p + 4)}; }
 MERISTEM_INLINE void store(float* p, F8 a) {
   _mm_storeu_ps(p, a.low);
   _mm_storeu_ps(p + 4, a.high);
 }
+MERISTEM_INLINE __m128 lower(F8 a) { return a.low; }
+MERISTEM_INLINE __m128 upper(F8 a) { return a.high; }
 MERISTEM_INLINE F8 join(__m128 low, __m128 high) { return {low, high}; }
 MERISTEM_INLINE F8 swap_halves(F8 a) { return {a.high, a.low}; }
 MERISTEM_INLINE F8 from_bytes(const std::uint8_t* p) {
@@ -139,6 +145,17 @@ MERISTEM_INLINE void transpose(F8 p0, F8 p1, F8 p2, F8 p3, F8 (&out)[3]) {
   transpose4(p0.high, p1.high, p2.high, p3.high, out[0].high, out[1].high, out[2].high);
 }
 #endif
+
+MERISTEM_INLINE float least(F8 a) {
+  __m128 m = _mm_min_ps(lower(a), upper(a));
+  m = _mm_min_ps(m, _mm_movehl_ps(m, m));
+  return _mm_cvtss_f32(_mm_min_ss(m, _mm_shuffle_ps(m, m, 1)));
+}
+MERISTEM_INLINE float greatest(F8 a) {
+  __m128 m = _mm_max_ps(lower(a), upper(a));
+  m = _mm_max_ps(m, _mm_movehl_ps(m, m));
+  return _mm_cvtss_f32(_mm_max_ss(m, _mm_shuffle_ps(m, m, 1)));
+}
 
 // Eight points, seen from the ray: it is at (0, 0), z is t.
 struct Sheared {
@@ -215,20 +232,36 @@ MERISTEM_INLINE void load_corners(const TreeView& tree, std::uint32_t block, con
   }
 }
 
-// Woop et al. 2013: U, V, W are twice the signed areas of the triangles that the ray makes with the edges.
+// Woop et al. 2013: twice the signed areas of the triangles that rays make with the edges of triangles.
+struct EdgeFunctions {
+  MERISTEM_INLINE EdgeFunctions(const Sheared& a, const Sheared& b, const Sheared& c)
+      : u(sub(mul(c.x, b.y), mul(c.y, b.x))),
+        v(sub(mul(a.x, c.y), mul(a.y, c.x))),
+        w(sub(mul(b.x, a.y), mul(b.y, a.x))),
+        area(add(add(u, v), w)) {}
+
+  // Where the ray's line goes through the triangle,
+  MERISTEM_INLINE unsigned met() const {
+    const F8 zero = splat(0);
+    const unsigned inside = where_le(zero, min(min(u, v), w)) | where_le(max(max(u, v), w), zero);
+    return inside == 0 ? 0 : inside & ~where_zero(area);
+  }
+  // and there
+  MERISTEM_INLINE F8 t(const Sheared& a, const Sheared& b, const Sheared& c) const {
+    return div(add(add(mul(u, a.z), mul(v, b.z)), mul(w, c.z)), area);
+  }
+
+  F8 u, v, w, area;
+};
+
 template <bool Any>
 MERISTEM_INLINE bool meet_block(const TreeView& tree, std::uint32_t block, const RayLanes& ray, TreeHit& hit) {
   Sheared a, b, c;
   load_corners(tree, block, ray, a, b, c);
-  const F8 u = sub(mul(c.x, b.y), mul(c.y, b.x)), v = sub(mul(a.x, c.y), mul(a.y, c.x)),
-           w = sub(mul(b.x, a.y), mul(b.y, a.x));
-  const F8 zero = splat(0);
-  unsigned met = where_le(zero, min(min(u, v), w)) | where_le(max(max(u, v), w), zero);
+  const EdgeFunctions e(a, b, c);
+  unsigned met = e.met();
   if (met == 0) return false;
-  const F8 area = add(add(u, v), w);
-  met &= ~where_zero(area);
-  if (met == 0) return false;
-  const F8 t = div(add(add(mul(u, a.z), mul(v, b.z)), mul(w, c.z)), area);
+  const F8 t = e.t(a, b, c);
   met &= where_lt(ray.t_min, t) & where_le(t, splat(hit.t));
   if (met == 0) return false;
   if constexpr (Any) return true;
@@ -239,9 +272,9 @@ MERISTEM_INLINE bool meet_block(const TreeView& tree, std::uint32_t block, const
     if (const int i = std::countr_zero(rest); ts[i] < ts[nearest]) nearest = i;
   const std::uint32_t triangle = 8 * block + std::uint32_t(nearest);
   if (ts[nearest] == hit.t && triangle > hit.triangle) return false;
-  store(vs, v);
-  store(ws, w);
-  store(areas, area);
+  store(vs, e.v);
+  store(ws, e.w);
+  store(areas, e.area);
   hit = {ts[nearest], triangle, vs[nearest] / areas[nearest], ws[nearest] / areas[nearest]};
   return true;
 }
@@ -309,14 +342,16 @@ MERISTEM_INLINE void prefetch_node(const SurfaceTree::Node& node) {
   _mm_prefetch(lines + 64, _MM_HINT_T0);
 }
 
-// The children of tree nodes: blocks are ends, by 8 * node + child.
+// A node, or an end by 8 * node + place.
+MERISTEM_INLINE std::uint32_t child_at(const SurfaceTree::Node& node, std::uint32_t index, std::uint32_t place) {
+  return node.shape[place] == 0 ? node.first[place] : (8 * index + place) | is_end;
+}
+
+// Nodes of trees: their ends are blocks.
 struct OfTree {
   const TreeView& tree;
 
   const SurfaceTree::Node& node(std::uint32_t index) const { return tree.nodes[index]; }
-  MERISTEM_INLINE std::uint32_t child(const SurfaceTree::Node& node, std::uint32_t index, std::uint32_t place) const {
-    return node.shape[place] == 0 ? node.first[place] : (8 * index + place) | is_end;
-  }
   // What a ray meets next is asked for while it is with others.
   MERISTEM_INLINE void prefetch(const SurfaceTree::Node& node, std::uint32_t place) const {
     const std::uint32_t first = node.first[place], stride = node.stride[place];
@@ -331,14 +366,12 @@ struct OfTree {
   }
 };
 
-// Those of a braid's nodes: strands are ends, by their number.
+// Nodes of braids: their ends are strands.
 struct OfBraid {
   const Braid::View& braid;
 
   const SurfaceTree::Node& node(std::uint32_t index) const { return braid.nodes[index]; }
-  MERISTEM_INLINE std::uint32_t child(const SurfaceTree::Node& node, std::uint32_t, std::uint32_t place) const {
-    return node.shape[place] == 0 ? node.first[place] : node.first[place] | is_end;
-  }
+  const Braid::Strand& strand(std::uint32_t end) const { return braid.strands[node(end / 8).first[end % 8]]; }
   MERISTEM_INLINE void prefetch(const SurfaceTree::Node& node, std::uint32_t place) const {
     if (node.shape[place] == 0)
       prefetch_node(braid.nodes[node.first[place]]);
@@ -358,17 +391,17 @@ MERISTEM_INLINE bool descend(const Of& of, std::uint32_t& index, const RayLanes&
   const auto place = std::uint32_t(std::countr_zero(met));
   met &= met - 1;
   if (met == 0) {
-    index = of.child(node, index, place);
+    index = child_at(node, index, place);
     return true;
   }
   alignas(32) float ts[8];
   store(ts, children.entries);
   for (unsigned rest = met; rest; rest &= rest - 1) of.prefetch(node, std::uint32_t(std::countr_zero(rest)));
-  Entered nearest{of.child(node, index, place), ts[place]};
+  Entered nearest{child_at(node, index, place), ts[place]};
   const std::size_t first = waiting.count;
   for (; met; met &= met - 1) {
     const auto next = std::uint32_t(std::countr_zero(met));
-    Entered farther{of.child(node, index, next), ts[next]};
+    Entered farther{child_at(node, index, next), ts[next]};
     std::size_t at = waiting.count++;
     if constexpr (!Any) {
       if (farther.t < nearest.t) std::swap(farther, nearest);
@@ -403,7 +436,7 @@ bool trace(const Braid::View& braid, const RayLanes& ray, BraidVisitor& visitor)
     if (!(child & is_end)) {
       if (descend<Any>(OfBraid{braid}, child, ray, visitor.t_max, waiting)) continue;
     } else {
-      const Braid::Strand& strand = braid.strands[child & ~is_end];
+      const Braid::Strand& strand = OfBraid{braid}.strand(child & ~is_end);
       if (strand.nodes) {
         TreeHit hit{visitor.t_max};
         if (trace<Any>({strand.nodes, strand.triangles, strand.positions}, strand.start, ray, hit)) {

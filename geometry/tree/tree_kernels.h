@@ -19,6 +19,8 @@ struct TreeKernels {
   void (*intersect_braid)(const Braid::View& braid, const TreeRay& ray, float t_min, BraidVisitor& visitor);
   bool (*occlude_braid)(const Braid::View& braid, const TreeRay& ray, float t_min, BraidVisitor& visitor);
   void (*run_stream)(RayStream& rays);
+  // Of one leg each, along the same axis with the same signs.
+  void (*run_packet)(StreamRay* const* rays, const StreamRay::Leg* legs, std::size_t count);
 };
 
 const TreeKernels& baseline_tree_kernels();

@@ -1,10 +1,11 @@
 #define MERISTEM_TREE_AVX2 0
+#include "geometry/tree/ray_packet_bodies.h"
 #include "geometry/tree/ray_stream_bodies.h"
 
 namespace meristem {
 
 const TreeKernels& baseline_tree_kernels() {
-  static constexpr TreeKernels table{intersect, occluded, intersect_braid, occlude_braid, run_stream};
+  static constexpr TreeKernels table{intersect, occluded, intersect_braid, occlude_braid, run_stream, run_packet};
   return table;
 }
 

@@ -31,10 +31,7 @@ void PathBatch::follow(Sampler& sampler, RayCounts& rays) {
     queries_.clear();
     std::erase_if(alive_, [this](std::size_t i) { return !ask(i); });
     if (alive_.empty()) return;
-    if (are_of_camera)  // they go the same way one by one, and gain nothing together
-      for (RayQuery& q : queries_) scene_.intersector->trace_alone(q);
-    else
-      scene_.intersector->trace(queries_);
+    scene_.intersector->trace(queries_, are_of_camera);
     const RayQuery* answers = queries_.data();
     for (const std::size_t i : alive_) answer(i, answers, sampler, rays);
   }

@@ -3,52 +3,15 @@
 #include "geometry/base/key.h"
 #include "geometry/base/parallel.h"
 #include "geometry/tree/tree_kernels.h"
-#include "tests/geometry/tree/twigs.h"
+#include "tests/geometry/tree/travellers.h"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
 using namespace meristem;
 
 namespace {
-
-// A ray through some legs, that keeps the nearest hit and notes the boxes that it enters.
-class Traveller final : public StreamRay {
- public:
-  Traveller(Key k, std::vector<Leg> legs) : legs_(std::move(legs)), ray_(random_ray(k)) {
-    t_max = k % 3 == 0 ? INFINITY : random(11, k) * 4;
-    any = k % 4 == 1;
-    t_min_ = random(10, k) * 0.2f;
-  }
-  bool next(Leg& leg) override {
-    if (at_ == legs_.size()) return false;
-    leg = legs_[at_++];
-    leg.ray = &ray_;
-    leg.t_min = t_min_;
-    return true;
-  }
-  void met(std::uint32_t tree, const TreeHit& hit) override {
-    ASSERT_LE(hit.t, t_max);
-    nearest = std::min(nearest, Met{hit.t, tree, hit.triangle});
-    t_max = any ? -INFINITY : nearest.t;
-    if (any) at_ = legs_.size();
-  }
-  void enter(std::uint32_t other) override { entered.push_back(other); }
-
-  const TreeRay& ray() const { return ray_; }
-  float t_min() const { return t_min_; }
-  Met nearest;
-  std::vector<std::uint32_t> entered;
-
- private:
-  std::vector<Leg> legs_;
-  std::size_t at_ = 0;
-  TreeRay ray_;
-  float t_min_;
-};
 
 class Stream final : public RayStream {
  public:
@@ -69,23 +32,11 @@ std::vector<Traveller> travellers(std::size_t count, const std::vector<StreamRay
   return rays;
 }
 
-StreamRay::Leg through(const Braid& braid) { return {nullptr, 0, braid.view(), {}}; }
-StreamRay::Leg through(const Twigs& twigs, std::uint32_t i) {
-  const SurfaceTree& tree = twigs.tree(i);
-  return {nullptr, 0, {nullptr, nullptr}, {tree.nodes().data(), tree.triangles(), twigs.positions(i), 0, i}};
-}
-
-// As rays meet a braid that go alone.
 void expect_as_alone(const Braid& braid, const Traveller& ray, Key k) {
   const Traveller fresh(k, {});
   Nearest alone(fresh.t_max);
-  if (fresh.any) {
-    ASSERT_EQ(ray.nearest.t < INFINITY, braid.occluded(fresh.ray(), fresh.t_min(), alone)) << k;
-    return;
-  }
-  braid.intersect(fresh.ray(), fresh.t_min(), alone);
-  ASSERT_EQ(ray.nearest, alone.nearest) << k;
-  ASSERT_EQ(ray.entered, alone.entered) << k;
+  expect_met_as_alone(braid, ray, fresh, alone);
+  if (!fresh.any) ASSERT_EQ(ray.entered, alone.entered) << k;
 }
 
 }  // namespace
