@@ -13,18 +13,44 @@
 
 namespace meristem {
 
+// Expansions that one thread made.
+struct ThreadExpansions {
+  std::uint64_t expanded = 0;     // the repeated ones among them
+  std::uint64_t reexpanded = 0;   // of cells that had been expanded and evicted before
+  std::uint64_t acquired = 0;     // cells that its rays asked for, resident or not
+  std::uint64_t nanoseconds = 0;  // in which it expanded, or waited for another thread to
+
+  ThreadExpansions& operator+=(const ThreadExpansions& o) {
+    expanded += o.expanded, reexpanded += o.reexpanded, acquired += o.acquired, nanoseconds += o.nanoseconds;
+    return *this;
+  }
+  ThreadExpansions operator-(const ThreadExpansions& o) const {
+    return {expanded - o.expanded, reexpanded - o.reexpanded, acquired - o.acquired, nanoseconds - o.nanoseconds};
+  }
+};
+
 // A ray to be traced among others, and its answer.
 struct RayQuery {
   const Ray* ray;
   SurfaceHit* hit;  // the nearest, if there is one; null: whether there is one will do
   bool met = false;
+  ThreadExpansions* expansions = nullptr;  // if not null, those that the ray makes are added
 };
 
-// Expansions that one thread made.
-struct ThreadExpansions {
-  std::uint64_t expanded = 0;    // the repeated ones among them
-  std::uint64_t reexpanded = 0;  // of cells that had been expanded and evicted before
-  std::uint64_t acquired = 0;    // cells that its rays asked for, resident or not
+class Intersector;
+
+// Adds what the calling thread expands while it lives to a sum, if there is one.
+class ExpansionMeter {
+ public:
+  ExpansionMeter(const Intersector& world, ThreadExpansions* sum);
+  ~ExpansionMeter();
+  ExpansionMeter(const ExpansionMeter&) = delete;
+  ExpansionMeter& operator=(const ExpansionMeter&) = delete;
+
+ private:
+  const Intersector& world_;
+  ThreadExpansions* const sum_;
+  ThreadExpansions before_;
 };
 
 class Intersector {
@@ -36,7 +62,10 @@ class Intersector {
   virtual bool intersect(const Ray& ray, SurfaceHit& hit) const = 0;
   // Whether anything lies in (t_min, t_max).
   virtual bool occluded(const Ray& ray) const = 0;
-  void trace_alone(RayQuery& q) const { q.met = q.hit ? intersect(*q.ray, *q.hit) : occluded(*q.ray); }
+  void trace_alone(RayQuery& q) const {
+    const ExpansionMeter meter(*this, q.expansions);
+    q.met = q.hit ? intersect(*q.ray, *q.hit) : occluded(*q.ray);
+  }
   // The same for many rays, of which some are on their way at once: while one waits for memory others go on. That takes
   // down to half of the time for rays that have nothing in common; those of neighbouring pixels it makes no faster.
   // Some dozens are enough. The bits are those of the calls one by one.
@@ -70,5 +99,12 @@ class Intersector {
   // What was recorded of it so far; nothing if recording was not asked for. Not while threads trace.
   virtual std::optional<ExpansionProfile> profile() const { return {}; }
 };
+
+inline ExpansionMeter::ExpansionMeter(const Intersector& world, ThreadExpansions* sum) : world_(world), sum_(sum) {
+  if (sum_) before_ = world_.thread_expansions();
+}
+inline ExpansionMeter::~ExpansionMeter() {
+  if (sum_) *sum_ += world_.thread_expansions() - before_;
+}
 
 }  // namespace meristem

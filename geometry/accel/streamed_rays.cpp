@@ -13,9 +13,10 @@ bool are_alike(Vec3f a, Vec3f b) { return dot(a, b) >= least_alike * std::sqrt(d
 
 }  // namespace
 
-class StreamedRays::Held {
+class StreamedRays::Aside {
  public:
-  Held(const StreamedRays& rays, RayUse& use) : use_(use), outer_(use.cells) {
+  Aside(const StreamedRays& rays, const RayQuery& query, RayUse& use)
+      : meter_(rays.world_, query.expansions), use_(use), outer_(use.cells) {
     std::size_t count = 0;
     for (const Traveller& other : rays.travellers_)
       if (CacheEntry* const nearest = other.nearest()) {
@@ -23,11 +24,12 @@ class StreamedRays::Held {
         use.cells = &used_[count++];
       }
   }
-  ~Held() { use_.cells = outer_; }
-  Held(const Held&) = delete;
-  Held& operator=(const Held&) = delete;
+  ~Aside() { use_.cells = outer_; }
+  Aside(const Aside&) = delete;
+  Aside& operator=(const Aside&) = delete;
 
  private:
+  const ExpansionMeter meter_;
   RayUse& use_;
   const UsedEntry* const outer_;
   std::array<UsedEntry, most_lanes> used_;
@@ -79,7 +81,7 @@ void StreamedRays::Traveller::begin(RayQuery& query, StreamedRays& rays) {
 
 void StreamedRays::Traveller::go_alone() {
   RayContext& context = tracing_->context;
-  const Held held(*rays_, context.use);
+  const Aside aside(*rays_, *query_, context.use);
   if (any)
     route_->occluded(context, tracing_->query.ray);
   else
@@ -88,7 +90,7 @@ void StreamedRays::Traveller::go_alone() {
 
 void StreamedRays::Traveller::go_alone_into(Instance::Visit& visit) {
   RayContext& context = tracing_->context;
-  const Held held(*rays_, context.use);
+  const Aside aside(*rays_, *query_, context.use);
   if (any)
     visit.root().occluded(context, visit.ray().ray);
   else
@@ -130,7 +132,7 @@ void StreamedRays::Traveller::met(std::uint32_t tree, const TreeHit& hit) {
 
 void StreamedRays::Traveller::enter(std::uint32_t other) {
   RayContext& context = tracing_->context;
-  const Held held(*rays_, context.use);
+  const Aside aside(*rays_, *query_, context.use);
   if (any)
     passage_->occlude_other(other, context, visit_->ray().ray);
   else

@@ -20,8 +20,9 @@ class StreamedRays final : public RayStream {
  public:
   // Answers the queries in run(), within one visit to the cache. All must outlive it. Rays must be finite and have a
   // direction.
-  StreamedRays(const ClassWorlds& worlds, ExpansionRecorder* recorder, std::span<RayQuery> queries)
-      : worlds_(worlds), recorder_(recorder), queries_(queries) {}
+  StreamedRays(const Intersector& world, const ClassWorlds& worlds, ExpansionRecorder* recorder,
+               std::span<RayQuery> queries)
+      : world_(world), worlds_(worlds), recorder_(recorder), queries_(queries) {}
 
   // Instead of run(): rays that follow each other go nearly the same way.
   void run_packets();
@@ -57,9 +58,10 @@ class StreamedRays final : public RayStream {
     const Passage* passage_ = nullptr;
   };
 
-  // What others have met: while one expands cells, these stay.
-  class Held;
+  // While one goes by itself: what others have met stays, and what is expanded is counted for it.
+  class Aside;
 
+  const Intersector& world_;
   const ClassWorlds& worlds_;
   ExpansionRecorder* const recorder_;
   const std::span<RayQuery> queries_;

@@ -101,7 +101,7 @@ class World final : public Intersector {
     if (queries.size() < 2 || !has_passages_ || !std::ranges::all_of(queries, is_sound))
       return Intersector::trace(queries, are_alike);
     const VisitIfEvicted visit(cache_);
-    StreamedRays rays(*worlds_, recorder_.get(), queries);
+    StreamedRays rays(*this, *worlds_, recorder_.get(), queries);
     if (are_alike)
       rays.run_packets();
     else
@@ -155,7 +155,7 @@ class World final : public Intersector {
 
   ThreadExpansions thread_expansions() const override {
     const GeometryCache::ThreadCounts counts = cache_.thread_counts();
-    return {counts.expansions, counts.reexpansions, counts.acquired};
+    return {counts.expansions, counts.reexpansions, counts.acquired, counts.nanoseconds};
   }
   Bounds3f bounds() const override { return worlds_->bounds(); }
 

@@ -68,16 +68,17 @@ int GeometryCache::thread_index() {
 class GeometryCache::Absence {
  public:
   Absence(GeometryCache& cache, CacheEntry* parent, const RayUse& use)
-      : cache_(cache), mine_(cache.threads_[std::size_t(thread_index())].epoch), was_inside_(mine_.load() != outside) {
+      : cache_(cache), mine_(cache.threads_[std::size_t(thread_index())]), was_inside_(mine_.epoch.load() != outside) {
     const std::lock_guard lock(cache_.mutex_);
     if (parent) hold(*parent);
     if (use.nearest) hold(*use.nearest);
     for (const UsedEntry* used = use.cells; used; used = used->outer) hold(*used->entry);
-    mine_.store(outside);
+    mine_.epoch.store(outside);
   }
   ~Absence() {
+    mine_.counts.nanoseconds += std::uint64_t(std::chrono::nanoseconds(Clock::now() - started_).count());
     const std::lock_guard lock(cache_.mutex_);
-    if (was_inside_) cache_.enter(mine_);
+    if (was_inside_) cache_.enter(mine_.epoch);
     for (CacheEntry* entry : held_) cache_.release(*entry);
   }
   Absence(const Absence&) = delete;
@@ -89,9 +90,12 @@ class GeometryCache::Absence {
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   GeometryCache& cache_;
-  std::atomic<std::uint64_t>& mine_;
+  ThreadEpoch& mine_;
   const bool was_inside_;
+  const Clock::time_point started_ = Clock::now();
   std::vector<CacheEntry*> held_;
 };
 

@@ -165,6 +165,7 @@ class GeometryCache {
   // What the calling thread expanded so far, in its life and that of threads that had its index before.
   struct ThreadCounts {
     std::uint64_t expansions = 0, reexpansions = 0, acquired = 0;
+    std::uint64_t nanoseconds = 0;  // in which it expanded, or waited for another thread to
   };
   // Hits are counted by whoever acquires, once a ray.
   void count_acquired(std::uint64_t n) { threads_[std::size_t(thread_index())].counts.acquired += n; }

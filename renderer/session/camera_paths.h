@@ -13,6 +13,11 @@ struct PixelSample {
   std::uint32_t number = 0;
 };
 
+// What Film wants to know of a path besides its light.
+struct PathWants {
+  bool first_surface = false, costs = false;
+};
+
 class CameraPaths {
  public:
   explicit CameraPaths(const Scene& scene);

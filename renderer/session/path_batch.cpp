@@ -1,5 +1,8 @@
 #include "renderer/session/path_batch.h"
 
+#include <chrono>
+#include <utility>
+
 namespace meristem {
 
 struct PathBatch::Slot {
@@ -9,19 +12,27 @@ struct PathBatch::Slot {
   bool asks[PathStepper::most_rays] = {};  // one of the queries
 };
 
-PathBatch::PathBatch(const Scene& scene, const CameraPaths& camera, bool wants_first)
+struct PathBatch::Cost {
+  ThreadExpansions expansions;
+  double nanoseconds = 0;  // its share of the time beside these
+  std::uint32_t rays = 0;  // at this vertex
+};
+
+PathBatch::PathBatch(const Scene& scene, const CameraPaths& camera, PathWants wants)
     : scene_(scene),
       stepper_(*scene.integrator->stepper()),
       camera_(camera),
       state_words_((stepper_.state_bytes() + sizeof(std::max_align_t) - 1) / sizeof(std::max_align_t)),
       states_(std::make_unique<std::max_align_t[]>(most * state_words_)),
       slots_(most),
-      first_(wants_first ? most : 0),
+      first_(wants.first_surface ? most : 0),
+      costs_(wants.costs ? most : 0),
       hits_(most * PathStepper::most_rays) {}
 
 PathBatch::~PathBatch() = default;
 
 void PathBatch::follow(Sampler& sampler, RayCounts& rays) {
+  std::uint64_t since = costs_.empty() ? 0 : tracing_clock();
   alive_.clear();
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     begin(i, sampler, rays);
@@ -34,6 +45,7 @@ void PathBatch::follow(Sampler& sampler, RayCounts& rays) {
     scene_.intersector->trace(queries_, are_of_camera);
     const RayQuery* answers = queries_.data();
     for (const std::size_t i : alive_) answer(i, answers, sampler, rays);
+    if (!costs_.empty()) share_time(since);
   }
 }
 
@@ -47,12 +59,33 @@ void PathBatch::begin(std::size_t i, Sampler& sampler, RayCounts& rays) {
     first_[i] = {};
     first_[i].time = start.ray.time;
   }
+  if (!costs_.empty()) costs_[i] = {};
   stepper_.begin(state(i), start.ray, tools(i, sampler, rays));
   slots_[i] = {.dimension = sampler.dimension(), .weight = start.weight};
 }
 
 RayQuery PathBatch::query(std::size_t i, int ray, const RayRequest& request) {
-  return {&request.ray, request.kind == RayRequest::Kind::Any ? nullptr : &hit(i, ray)};
+  RayQuery query{.ray = &request.ray, .hit = request.kind == RayRequest::Kind::Any ? nullptr : &hit(i, ray)};
+  if (!costs_.empty()) {
+    ++costs_[i].rays;
+    query.expansions = &costs_[i].expansions;
+  }
+  return query;
+}
+
+// In nanoseconds; stands still while the thread waits for cells.
+std::uint64_t PathBatch::tracing_clock() const {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::uint64_t(std::chrono::nanoseconds(now).count()) - scene_.intersector->thread_expansions().nanoseconds;
+}
+
+void PathBatch::share_time(std::uint64_t& since) {
+  const std::uint64_t now = tracing_clock();
+  std::uint32_t rays = 0;
+  for (const std::size_t i : alive_) rays += costs_[i].rays;
+  const double each = double(now - since) / rays;
+  for (const std::size_t i : alive_) costs_[i].nanoseconds += each * std::exchange(costs_[i].rays, 0);
+  since = now;
 }
 
 // False: the path has ended.
@@ -99,6 +132,10 @@ FilmSample PathBatch::result(std::size_t i) const {
                     .weight = slots_[i].weight,
                     .number = samples_[i].number};
   if (!first_.empty()) sample.first = &first_[i];
+  if (!costs_.empty()) {
+    sample.expansions = costs_[i].expansions;
+    sample.nanoseconds = std::uint64_t(costs_[i].nanoseconds) + sample.expansions.nanoseconds;
+  }
   camera_.measure(sample);
   return sample;
 }

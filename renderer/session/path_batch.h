@@ -1,5 +1,8 @@
 // PathBatch: paths that one thread follows together, vertex by vertex, so that their rays are traced together. Each
 // ends with the bits of one that is followed alone.
+//
+// What paths cost is measured vertex by vertex, of all together: the rays of all paths share the time equally, but for
+// that in which cells were expanded, which is of the path whose ray they stood in the way of.
 #pragma once
 
 #include "renderer/session/camera_paths.h"
@@ -14,8 +17,8 @@ class PathBatch {
  public:
   static constexpr std::size_t most = 128;  // enough that few lanes of a stream are ever empty
 
-  // The scene's integrator has a stepper. All must outlive it. `wants_first`: as Film asks for first surfaces.
-  PathBatch(const Scene& scene, const CameraPaths& camera, bool wants_first);
+  // The scene's integrator has a stepper. All must outlive it.
+  PathBatch(const Scene& scene, const CameraPaths& camera, PathWants wants);
   ~PathBatch();
 
   bool is_full() const { return samples_.size() == most; }
@@ -31,6 +34,7 @@ class PathBatch {
 
  private:
   struct Slot;
+  struct Cost;
 
   void follow(Sampler& sampler, RayCounts& rays);
   void begin(std::size_t i, Sampler& sampler, RayCounts& rays);
@@ -40,6 +44,8 @@ class PathBatch {
   RayQuery query(std::size_t i, int ray, const RayRequest& request);
   SurfaceHit& hit(std::size_t i, int ray) { return hits_[i * PathStepper::most_rays + std::size_t(ray)]; }
   FilmSample result(std::size_t i) const;
+  std::uint64_t tracing_clock() const;
+  void share_time(std::uint64_t& since);
   PathTools tools(std::size_t i, Sampler& sampler, RayCounts& rays);
   void* state(std::size_t i) const { return &states_[i * state_words_]; }
 
@@ -51,6 +57,7 @@ class PathBatch {
   std::unique_ptr<std::max_align_t[]> states_;
   std::vector<Slot> slots_;
   std::vector<FirstSurface> first_;  // none: they are not wanted
+  std::vector<Cost> costs_;          // nor these
   std::vector<std::size_t> alive_;
   std::vector<SurfaceHit> hits_;  // of each path's rays
   std::vector<RayQuery> queries_;

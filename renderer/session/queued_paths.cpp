@@ -85,9 +85,7 @@ class QueuedPaths::Meter {
 
   void stop() {
     if (!cost_) return;
-    const ThreadExpansions after = world_.thread_expansions();
-    cost_->expansions.expanded += after.expanded - before_.expanded;
-    cost_->expansions.reexpanded += after.reexpanded - before_.reexpanded;
+    cost_->expansions += world_.thread_expansions() - before_;
     cost_->nanoseconds += std::uint64_t(std::chrono::nanoseconds(Clock::now() - started_).count());
     cost_ = nullptr;
   }
@@ -105,12 +103,12 @@ struct QueuedPaths::Chunk {
   std::vector<FirstSurface> first;  // if wanted, as the next
   std::vector<Cost> costs;
 
-  static std::size_t bytes(std::size_t state_words, Wants wants) {
+  static std::size_t bytes(std::size_t state_words, PathWants wants) {
     return sizeof(Chunk) +
            chunk_paths * (sizeof(Slot) + state_words * sizeof(StateWord) +
                           (wants.first_surface ? sizeof(FirstSurface) : 0) + (wants.costs ? sizeof(Cost) : 0));
   }
-  Chunk(std::size_t state_words, Wants wants) : slots(chunk_paths), states(chunk_paths * state_words) {
+  Chunk(std::size_t state_words, PathWants wants) : slots(chunk_paths), states(chunk_paths * state_words) {
     if (wants.first_surface) first.resize(chunk_paths);
     if (wants.costs) costs.resize(chunk_paths);
   }
@@ -129,7 +127,7 @@ struct QueuedPaths::Worker {
   std::vector<Wait> waiting;
 };
 
-QueuedPaths::QueuedPaths(const Scene& scene, const CameraPaths& camera, Wants wants, std::size_t most_bytes)
+QueuedPaths::QueuedPaths(const Scene& scene, const CameraPaths& camera, PathWants wants, std::size_t most_bytes)
     : scene_(scene),
       stepper_(*scene.integrator->stepper()),
       camera_(camera),

@@ -33,11 +33,8 @@ struct QueueStatistics {
 
 class QueuedPaths {
  public:
-  struct Wants {
-    bool first_surface = false, costs = false;  // as Film asks for them
-  };
   // The scene's integrator has a stepper. All must outlive it.
-  QueuedPaths(const Scene& scene, const CameraPaths& camera, Wants wants, std::size_t most_bytes);
+  QueuedPaths(const Scene& scene, const CameraPaths& camera, PathWants wants, std::size_t most_bytes);
   ~QueuedPaths();
 
   struct Exchange {
@@ -79,7 +76,7 @@ class QueuedPaths {
   const Scene& scene_;
   const PathStepper& stepper_;
   const CameraPaths& camera_;
-  const Wants wants_;
+  const PathWants wants_;
   const std::size_t most_bytes_, state_words_;
 
   std::atomic<std::size_t> search_bytes_{0};

@@ -125,8 +125,7 @@ void RenderSession::run_queues(std::uint32_t end, std::vector<RayCounts>& rays) 
   scene_.intersector->unsettle();
   const RenderSettings& settings = scene_.settings;
   if (!queues_) {
-    const QueuedPaths::Wants wants{film_.wants_first_surface(), film_.wants_costs()};
-    queues_.reset(new Queues{{scene_, camera_, wants, settings.queue_bytes},
+    queues_.reset(new Queues{{scene_, camera_, path_wants(), settings.queue_bytes},
                              {film_, tiles_, options_.first_sample},
                              {film_, options_.first_sample}});
   }
@@ -148,10 +147,10 @@ void RenderSession::run_tiles(std::uint32_t end, std::vector<RayCounts>& rays) {
 
 void RenderSession::trace_tiles(std::uint32_t end, std::vector<RayCounts>& rays) {
   next_tile_ = 0;
-  const bool together = scene_.integrator->stepper() && scene_.intersector->is_settled() && !film_.wants_costs();
+  const bool together = scene_.integrator->stepper() && scene_.intersector->is_settled();
   run_threads(threads_, [&](int thread) {
     Worker worker{thread, end, scene_.sampler->clone(), {}, scene_.intersector->thread_expansions(), {}};
-    if (together) worker.batch.emplace(scene_, camera_, film_.wants_first_surface());
+    if (together) worker.batch.emplace(scene_, camera_, path_wants());
     try {
       for (std::size_t i = next_tile_++; i < tiles_.size() && !stopped(); i = next_tile_++)
         render_tile(worker, tiles_[i]);
@@ -237,8 +236,7 @@ void RenderSession::measure_sample(Worker& worker, const Ray& ray, FirstSurface*
   const auto started = std::chrono::steady_clock::now();
   const ThreadExpansions before = scene_.intersector->thread_expansions();
   sample.radiance = scene_.integrator->radiance(ray, scene_, *worker.sampler, worker.rays, first);
-  const ThreadExpansions after = scene_.intersector->thread_expansions();
-  sample.expansions = {after.expanded - before.expanded, after.reexpanded - before.reexpanded};
+  sample.expansions = scene_.intersector->thread_expansions() - before;
   sample.nanoseconds = std::uint64_t(std::chrono::nanoseconds(std::chrono::steady_clock::now() - started).count());
 }
 

@@ -89,6 +89,7 @@ class RenderSession {
   struct Queues;
   static std::vector<std::uint32_t> pass_ends(std::uint32_t samples, bool adaptive);
 
+  PathWants path_wants() const { return {film_.wants_first_surface(), film_.wants_costs()}; }
   void run_pass(std::uint32_t end, std::vector<RayCounts>& rays);
   void run_tiles(std::uint32_t end, std::vector<RayCounts>& rays);
   void trace_tiles(std::uint32_t end, std::vector<RayCounts>& rays);

@@ -193,6 +193,34 @@ TEST(World, RaysTracedTogetherHoldWhatTheyHaveMet) {
   mallopt(M_PERTURB, 0);
 }
 
+TEST(World, RaysTracedTogetherTellWhatEachExpanded) {
+  const auto world = world_of(bumpy_model(shapes::prism(8), 6, 0.1, small_cells), {});
+  constexpr int known = 64, all = 512;
+  hits_of(*world, 0, known);
+  world->settle();
+  const std::uint64_t before = world->statistics().cells_expanded;
+  const auto looks_away = [](std::size_t i) { return i % 4 == 1; };
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < all; ++i) {
+    rays.push_back(ray_towards(Key(known + i)));
+    if (looks_away(i)) rays[i].direction = -rays[i].direction;
+  }
+  std::vector<SurfaceHit> hits(all);
+  std::vector<ThreadExpansions> of_rays(all);
+  std::vector<RayQuery> queries;
+  for (std::size_t i = 0; i < all; ++i)
+    queries.push_back({.ray = &rays[i], .hit = i % 3 == 0 ? nullptr : &hits[i], .expansions = &of_rays[i]});
+  world->trace(queries);
+  ThreadExpansions sum;
+  for (std::size_t i = 0; i < all; ++i) {
+    EXPECT_EQ(of_rays[i].expanded > 0, of_rays[i].nanoseconds > 0);
+    EXPECT_FALSE(of_rays[i].expanded > 0 && looks_away(i)) << i;
+    sum += of_rays[i];
+  }
+  EXPECT_GT(sum.expanded, 100u);
+  EXPECT_EQ(sum.expanded, world->statistics().cells_expanded - before);
+}
+
 TEST(World, TheLeastBudgetIsAChainOfCellsForEachThread) {
   const auto model = bumpy_model(shapes::prism(8), 5, 0.1, small_cells);
   const std::size_t one = least_bytes(model, 1), eight = least_bytes(model, 8);

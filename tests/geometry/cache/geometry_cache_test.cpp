@@ -110,6 +110,28 @@ TEST(GeometryCache, OthersWaitForTheThreadThatExpands) {
   EXPECT_EQ(cache.statistics().waits, 2u);
 }
 
+TEST(GeometryCache, KnowsHowLongAThreadWaitedForCells) {
+  Trace trace;
+  CacheSlot slot;
+  GeometryCache cache(1000);
+  std::atomic<std::uint64_t> nanoseconds{0};
+  constexpr std::chrono::milliseconds once_all_wait{2};
+  run_threads(2, [&](int) {
+    const GeometryCache::Visit visit(cache);
+    cache.acquire(slot, nullptr, {}, [&]() -> std::unique_ptr<CacheEntry> {
+      while (cache.statistics().waits < 1) std::this_thread::yield();
+      std::this_thread::sleep_for(once_all_wait);
+      return std::make_unique<TracedEntry>(trace, 1);
+    });
+    const std::uint64_t waited = cache.thread_counts().nanoseconds;
+    cache.acquire(slot, nullptr, {}, [] { return nullptr; });  // resident
+    EXPECT_EQ(cache.thread_counts().nanoseconds, waited);
+    nanoseconds += waited;
+  });
+  EXPECT_GE(nanoseconds, std::uint64_t(std::chrono::nanoseconds(2 * once_all_wait).count()))
+      << "by the one that expanded and by the one that waited for it";
+}
+
 TEST(GeometryCache, KeepsToItsBudget) {
   FlatCache f(50, 1000);
   for (std::size_t i = 0; i < 50; ++i) {

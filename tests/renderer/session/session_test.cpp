@@ -291,6 +291,71 @@ TEST(RenderSession, ACrowdedWorldSettlesAnewAndNothingIsLost) {
   EXPECT_EQ(session.film().develop().pixels, whole.film().develop().pixels);
 }
 
+// A path of one ray to the camera's, which its state is.
+class OneRay final : public FunctionIntegrator, public PathStepper {
+ public:
+  OneRay() : FunctionIntegrator(is_not_asked) {}
+  const PathStepper* stepper() const override { return this; }
+  std::size_t state_bytes() const override { return sizeof(State); }
+  void begin(void* state, const Ray& ray, const PathTools&) const override {
+    *static_cast<State*>(state) = {ray, true};
+  }
+  RayRequest request(const void* state, int ray) const override {
+    const State& s = *static_cast<const State*>(state);
+    return {ray == 1 && s.waits ? RayRequest::Kind::Nearest : RayRequest::Kind::None, s.ray};
+  }
+  void answer(void* state, int, bool, const SurfaceHit&, const PathTools&) const override {
+    static_cast<State*>(state)->waits = false;
+  }
+  Spectrum result(const void*) const override { return Spectrum(1); }
+
+ private:
+  static Spectrum is_not_asked(const Ray&, Sampler&, RayCounts&) {
+    ADD_FAILURE() << "a path is followed alone";
+    return {};
+  }
+  struct State {
+    Ray ray;
+    bool waits;
+  };
+};
+
+// Has settled; each ray through one pixel expands a cell.
+class ExpandingWorld final : public EmptyWorld {
+ public:
+  static constexpr int x = 3, y = 2;
+  static constexpr std::uint64_t nanoseconds = 200'000;  // an expansion, at least
+  bool intersect(const Ray& ray, SurfaceHit&) const override {
+    if (int(ray.origin.x) != x || int(ray.origin.y) != y) return false;
+    std::this_thread::sleep_for(std::chrono::nanoseconds(nanoseconds));
+    ++mine.expanded, mine.nanoseconds += nanoseconds;
+    return false;
+  }
+  bool is_settled() const override { return true; }
+  ThreadExpansions thread_expansions() const override { return mine; }
+
+ private:
+  static inline thread_local ThreadExpansions mine;
+};
+
+TEST(RenderSession, PathsFollowedTogetherCostWhatEachExpands) {
+  constexpr int width = 9, height = 5, samples = 16;
+  const auto scene = fake_scene(width, height, samples, {});
+  scene->integrator = std::make_unique<OneRay>();
+  scene->intersector = std::make_unique<ExpandingWorld>();
+  scene->settings.aovs = {Aov::CostTime, Aov::CostExpand};
+  RenderSession session(*scene, {.threads = 2});
+  session.render();
+  const Image time = session.film().develop(Aov::CostTime), expanded = session.film().develop(Aov::CostExpand);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const bool expands = x == ExpandingWorld::x && y == ExpandingWorld::y;
+      const auto pixel = std::size_t(y * width + x);
+      EXPECT_EQ(expanded.pixels[pixel], expands ? samples : 0);
+      EXPECT_GT(time.pixels[pixel], expands ? 0.999e-9f * samples * float(ExpandingWorld::nanoseconds) : 0);
+    }
+}
+
 TEST(RenderSession, TheTimeLimitEndsIt) {
   const auto scene = fake_scene(20, 20, 1 << 20, [](const Ray&, Sampler&, RayCounts&) { return Spectrum(1); });
   RenderSession session(*scene, {.threads = 2, .time_limit_s = 0.2});
