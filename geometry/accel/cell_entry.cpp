@@ -124,7 +124,7 @@ bool CellEntry::follow(CellList::Way way, RayContext& context, RTCRayHit& ray) {
   if (!cell) {
     // It may be better known since it was noted, and the ray shorter
     const float entry = proxies_->entry(way[0], span_of(ray.ray));
-    if (!(entry <= ray.ray.tfar)) return true;
+    if (!enters(entry, ray.ray.tfar)) return true;
     if (context.search->expands) cell = root_->child(*this, way[0], context.use);
     if (!cell) {
       if (slot.state() == CacheSlot::State::Failed) return true;

@@ -27,11 +27,11 @@ Tessellation box_of(const Bounds3f& b, Key key) {
 }
 
 void note(const CacheSlot& slot, const CellList::Cell& cell, const RTCRay& ray, RayContext::Search& search) {
-  if (cell.entry <= ray.tfar && slot.state() != CacheSlot::State::Failed) search.missing.note(cell, search.way);
+  if (enters(cell.entry, ray.tfar) && slot.state() != CacheSlot::State::Failed) search.missing.note(cell, search.way);
 }
 bool note_anew(bool is_known, Key name, float entry, const RTCRay& ray, RayContext::Search& search) {
   if (search.is_exact || !is_known) return false;
-  if (entry <= ray.tfar) search.missing.note({name, entry, true, true}, search.way);
+  if (enters(entry, ray.tfar)) search.missing.note({name, entry, true, true}, search.way);
   return true;
 }
 
@@ -90,10 +90,11 @@ CellEntry* LazyRoot::entered_child(CellEntry& parent, std::size_t index, RayCont
   const ProxyScene& proxies = parent.proxies();
   const RaySpan span = span_of(ray);
   CellList::Cell cell{0, proxies.box_entry(index, span), proxies.knows(index), false};
-  if (!(cell.entry <= ray.tfar)) return nullptr;
+  if (!enters(cell.entry, ray.tfar)) return nullptr;
   if (!context.search->any && context.search->missing.may_be_nearest(cell.entry)) {
     cell.entry = proxies.entry(index, span);
     cell.is_exact = true;
+    if (!enters(cell.entry, ray.tfar)) return nullptr;
   }
   cell.name = child_name(*parent.inner(), index);
   note(slot, cell, ray, *context.search);

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 namespace meristem {
@@ -18,6 +19,11 @@ struct RaySpan {
 
 // The least t at which a ray may be in a box; infinity if it is not up to t_max. No rounding loses a box.
 float earliest_entry(const Bounds3f& box, const RaySpan& ray);
+
+// Whether that is an entry before the end of a ray, which may have none.
+inline bool enters(float entry, float t_max) {
+  return entry <= t_max && entry < std::numeric_limits<float>::infinity();
+}
 
 class Outline {
  public:

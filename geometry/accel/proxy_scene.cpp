@@ -10,8 +10,9 @@ namespace meristem {
 
 namespace {
 
-// Shares of the children whose real bounds make a new scene worth its building.
-constexpr std::array<double, 3> build_shares = {0.125, 0.5, 1.0};
+// Shares of the children whose real bounds make a new scene worth its building. Some children may never be met, so the
+// last scene but one must leave few boxes as wide as they were.
+constexpr std::array build_shares = {0.125, 0.5, 0.875, 0.96875, 1.0};
 
 }  // namespace
 

@@ -1,6 +1,9 @@
 #include "geometry/base/freed_memory.h"
 
+#include <fstream>
+
 #include <malloc.h>
+#include <unistd.h>
 
 namespace meristem {
 
@@ -8,6 +11,12 @@ void give_back_freed_memory() {
 #ifdef __GLIBC__
   ::malloc_trim(0);
 #endif
+}
+
+std::size_t resident_set_bytes() {
+  std::size_t all = 0, resident = 0;  // pages
+  std::ifstream("/proc/self/statm") >> all >> resident;
+  return resident * std::size_t(::sysconf(_SC_PAGESIZE));
 }
 
 }  // namespace meristem

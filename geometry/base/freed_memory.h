@@ -1,10 +1,15 @@
 // What malloc holds that nobody uses.
 #pragma once
 
+#include <cstddef>
+
 namespace meristem {
 
 // Gives whole free pages back to the system, of all threads' heaps, also those between arrays that are used. A few
 // milliseconds, while others that allocate wait; the pages come back as they are touched. Nothing where malloc cannot.
 void give_back_freed_memory();
+
+// Of the process, in bytes, as the system counts it; 0 where it does not tell.
+std::size_t resident_set_bytes();
 
 }  // namespace meristem

@@ -164,7 +164,7 @@ void GeometryCache::publish(CacheSlot& slot, CacheEntry* parent, Absence& absenc
   ++mine.expansions;
   mine.reexpansions += slot.was_expanded();
   Garbage garbage;
-  bool gives_back;
+  bool looks_at_freed;
   {
     const std::lock_guard lock(mutex_);
     ++statistics_.expansions;
@@ -182,11 +182,11 @@ void GeometryCache::publish(CacheSlot& slot, CacheEntry* parent, Absence& absenc
     evict_to_budget();
     note_peaks();
     garbage = reclaim();
-    gives_back = must_give_back();
+    looks_at_freed = must_look_at_freed();
   }
   slot.word_.notify_all();
   garbage.clear();
-  if (gives_back) give_back_freed_memory();
+  if (looks_at_freed) give_back_if_grown();
 }
 
 void GeometryCache::publish_failure(CacheSlot& slot) {
@@ -306,13 +306,21 @@ GeometryCache::Garbage GeometryCache::reclaim() {
   return garbage;
 }
 
-// Where entries come and go malloc keeps gaps, and at the first eviction what the beginning needed. A few milliseconds
-// for what takes a hundred to expand.
-bool GeometryCache::must_give_back() {
+bool GeometryCache::must_look_at_freed() {
   constexpr std::size_t least_bytes = std::size_t(16) << 20;
-  if (evicted_bytes_ < give_back_at_) return false;
-  give_back_at_ = evicted_bytes_ + std::max(budget_bytes_ / 2, least_bytes);
+  if (evicted_bytes_ < look_at_freed_at_) return false;
+  look_at_freed_at_ = evicted_bytes_ + std::max(budget_bytes_ / 2, least_bytes);
   return true;
+}
+
+// Where entries come and go malloc keeps gaps, and at the first eviction what the beginning needed. Mostly it uses them
+// again, and what is given back for nothing is missed: all threads wait meanwhile, and all pages are looked up anew.
+void GeometryCache::give_back_if_grown() {
+  constexpr std::size_t least_bytes = std::size_t(8) << 20;
+  const std::size_t slack = std::max(budget_bytes_ / 16, least_bytes), resident = resident_set_bytes();
+  if (resident > 0 && resident < resident_set_.load(std::memory_order_relaxed) + slack) return;
+  give_back_freed_memory();
+  resident_set_.store(resident_set_bytes(), std::memory_order_relaxed);
 }
 
 CacheStatistics GeometryCache::statistics() const {

@@ -193,6 +193,7 @@ class GeometryCache {
   void make_room();
   void publish(CacheSlot& slot, CacheEntry* parent, Absence& absence, std::unique_ptr<CacheEntry> entry);
   void publish_failure(CacheSlot& slot);
+  void give_back_if_grown();
   // All below need mutex_.
   void add_resident(CacheSlot& slot, CacheEntry* parent, CacheEntry* entry);
   void evict_to_budget();
@@ -200,7 +201,7 @@ class GeometryCache {
   void add_to_limbo(CacheEntry& entry);
   void release(CacheEntry& entry);
   Garbage reclaim();
-  bool must_give_back();
+  bool must_look_at_freed();
   std::size_t entry_budget() const;
   void note_peaks();
   std::uint64_t oldest_epoch() const;
@@ -218,6 +219,7 @@ class GeometryCache {
   std::atomic<std::uint64_t> epoch_{1};
   std::atomic<std::uint64_t> waits_{0};
   std::atomic<bool> is_crowded_{false};
+  std::atomic<std::size_t> resident_set_{0};  // of the process, when freed memory was given back last
   static constexpr std::size_t name_buckets = 1 << 15;
   std::vector<std::atomic<std::uint32_t>> names_ =  // of resident entries, by bucket; written under mutex_
       std::vector<std::atomic<std::uint32_t>>(name_buckets);
@@ -226,7 +228,7 @@ class GeometryCache {
   std::vector<CacheEntry*> clock_;  // resident entries; owned
   std::size_t kept_ = 0;            // the first of them stay
   std::size_t hand_ = 0;
-  std::uint64_t evicted_bytes_ = 0, give_back_at_ = 1;
+  std::uint64_t evicted_bytes_ = 0, look_at_freed_at_ = 1;
   std::vector<CacheEntry*> limbo_;  // evicted and not held, by evicted_epoch_; owned
   CacheStatistics statistics_;
 };
