@@ -152,7 +152,7 @@ void StreamedRays::Traveller::end() {
     query_->met = has_ended();
   } else {
     query_->met = context.patch != nullptr;
-    if (context.patch) *query_->hit = tracing_->surface_hit();
+    if (context.patch) tracing_->surface_hit(*query_->hit);
   }
   rays_->acquired_ += context.acquired;
   tracing_.reset();

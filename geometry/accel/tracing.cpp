@@ -30,12 +30,11 @@ Tracing::Tracing(const Ray& ray, ExpansionRecorder* recorder)
   context.tree_ray = &tree_;
 }
 
-SurfaceHit Tracing::surface_hit() const {
-  SurfaceHit hit = context.patch->surface_at(context.patch_hit);
+void Tracing::surface_hit(SurfaceHit& hit) const {
+  context.patch->surface_at(context.patch_hit, hit);
   if (context.patch_from_world) place(*context.patch_from_world, hit);
   hit.t = query.ray.tfar;
   hit.object = context.patch_object;
-  return hit;
 }
 
 }  // namespace meristem

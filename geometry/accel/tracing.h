@@ -14,7 +14,7 @@ class Tracing {
   Tracing& operator=(const Tracing&) = delete;
 
   // The nearest hit, of a ray that has met one.
-  SurfaceHit surface_hit() const;
+  void surface_hit(SurfaceHit& hit) const;
 
   RTCRayHit query;
   RayContext context;

@@ -76,7 +76,7 @@ class World final : public Intersector {
     const VisitIfEvicted visit(cache_);
     worlds_->route(ray).intersect(context, tracing.query);
     if (context.acquired > 0) cache_.count_acquired(context.acquired);
-    if (context.patch) hit = tracing.surface_hit();
+    if (context.patch) tracing.surface_hit(hit);
     return context.patch != nullptr;
   }
 
@@ -118,7 +118,7 @@ class World final : public Intersector {
     {
       const GeometryCache::Visit visit(cache_);
       end = driver.go_on(worlds_->route(ray), cache_);
-      if (context.patch && !driver.overflows()) hit = tracing.surface_hit();
+      if (context.patch && !driver.overflows()) tracing.surface_hit(hit);
     }
     cache_.count_acquired(context.acquired);
     if (driver.overflows()) {

@@ -12,6 +12,7 @@ namespace meristem {
 // A unit vector on an octahedron unfolded to a square (Cigolle et al. 2014, "oct32"): within 5e-5 rad. Zero is not
 // kept: it comes out as the z axis.
 struct PackedNormal {
+  static constexpr float largest = 32767;
   std::int16_t x = 0, y = 0;
 
   static PackedNormal pack(Vec3f n) {
@@ -35,9 +36,6 @@ struct PackedNormal {
     }
     return normalize(Vec3f{u, v, z});
   }
-
- private:
-  static constexpr float largest = 32767;
 };
 
 // u, v as steps from the least of a surface: within 1/131070 of their range over it.

@@ -33,10 +33,14 @@ class FilterSampler {
   };
   Sample1D sample_1d(float random) const;
 
+  // A cell of the step function: the random number at which it begins, and the sign of the filter.
+  struct Cell {
+    float begin, sign;
+  };
+
   float radius_;
   float mean_weight_ = 1;
-  std::vector<float> values_;      // of the filter at the cells' centres
-  std::vector<float> cumulative_;  // of |value|, normalised: [0] is 0, the last is 1
+  std::vector<Cell> cells_;  // and one behind the last, which begins at 1
   // Four times as many equal steps of the random number as there are cells: in which cell each begins, so that a
   // look-up goes on from there instead of bisecting, mostly by no step at all.
   std::vector<std::uint16_t> first_cells_;

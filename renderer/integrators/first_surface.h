@@ -19,9 +19,7 @@ inline void report_first(FirstSurface* first, const SurfaceHit& hit, const Bsdf&
 // One whose material the integrator does not need.
 inline void report_first(FirstSurface* first, const Scene& scene, const Ray& ray, const SurfaceHit& hit) {
   if (!first) return;
-  Bsdf bsdf;
-  scene.material_of(hit).evaluate({hit, -ray.direction}, bsdf);
-  report_first(first, hit, bsdf);
+  report_first(first, hit, scene.material_of(hit).evaluate({hit, -ray.direction}));
 }
 
 }  // namespace meristem

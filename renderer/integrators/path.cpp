@@ -107,7 +107,7 @@ class Path : public Integrator, public PathStepper {
   std::size_t state_bytes() const override { return in_media_ ? sizeof(PathStateInMedia) : sizeof(PathState); }
   void begin(void* state, const Ray& ray, const PathTools& tools) const override;
   RayRequest request(const void* state, int ray) const override;
-  void answer(void* state, int ray, bool met, const SurfaceHit& hit, const PathTools& tools) const override;
+  void answer(void* state, int ray, bool met, ShadingPoint& point, const PathTools& tools) const override;
   Spectrum result(const void* state) const override { return static_cast<const PathState*>(state)->sum; }
 
   const LightChoice& choice() const { return *choice_; }
@@ -179,8 +179,7 @@ class Walk {
     s_.width += s_.spread * hit.t;
     point.wo = -s_.ray.direction;
     point.footprint = s_.width;
-    Bsdf bsdf;
-    scene_.materials[material]->evaluate(point, bsdf);
+    const Bsdf bsdf = scene_.materials[material]->evaluate(point);
     if (bsdf.inside() && bsdf.absorption != Spectrum{}) s_.throughput *= passed(bsdf.absorption, hit.t);
     if (bsdf.opacity < 1 && sampler_.next_1d() >= bsdf.opacity) return pass_through(hit);
     if (s_.depth == 0) report_first(first_, hit, bsdf);
@@ -350,9 +349,7 @@ class Walk {
     const SurfaceHit& veil = point.hit;
     point.wo = -s_.shadow.direction;
     point.footprint = s_.width;
-    Bsdf bsdf;
-    scene_.material_of(veil).evaluate(point, bsdf);
-    s_.visible *= 1 - bsdf.opacity;
+    s_.visible *= 1 - scene_.material_of(veil).evaluate(point).opacity;
     if (!(s_.visible > 0) || ++s_.light_passes == max_passes) return add_light(0);
     const float rest = s_.shadow.t_max - veil.t;
     s_.shadow = ray_from(veil, s_.shadow.direction, s_.shadow, RayClass::Shadow);
@@ -470,8 +467,7 @@ RayRequest Path::request(const void* state, int ray) const {
   return request_of(*static_cast<const PathState*>(state), ray, transparency_);
 }
 
-void Path::answer(void* state, int ray, bool met, const SurfaceHit& hit, const PathTools& tools) const {
-  ShadingPoint point{hit, {}};
+void Path::answer(void* state, int ray, bool met, ShadingPoint& point, const PathTools& tools) const {
   Walk(*this, tools, *static_cast<PathState*>(state)).answer(ray, met, point);
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 Spectrum mixed(Spectrum a, Spectrum b, float t) { return a * (1 - t) + b * t; }
 
-MaterialLook look_of(const Bsdf& bsdf) {
+MaterialLook look_of(const BsdfParameters& bsdf) {
   MaterialLook look;
   const Spectrum dielectric = mixed(bsdf.diffuse + bsdf.transmitted, bsdf.glass_tint, bsdf.glass);
   look.base_color = mixed(dielectric, bsdf.metal_f0, bsdf.metalness);
@@ -33,9 +33,7 @@ MaterialLook look_at(const Material& material, const FaceOrigin& origin, Vec3f p
   point.hit.u = uv.x;
   point.hit.v = uv.y;
   point.hit.origin = origin;
-  Bsdf bsdf;
-  material.evaluate(point, bsdf);
-  return look_of(bsdf);
+  return look_of(material.evaluate(point));
 }
 
 }  // namespace

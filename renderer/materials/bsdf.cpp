@@ -22,13 +22,27 @@ Vec3f visible_normal(Vec3f shading, Vec3f geometric, Vec3f wo) {
 
 }  // namespace
 
-void Bsdf::set_frame(const ShadingPoint& point) {
+Bsdf::Bsdf(const BsdfParameters& parameters, const ShadingPoint& point)
+    : BsdfParameters(parameters), is_lambertian_(is_lambertian()) {
   const float side = dot(point.hit.geometric_normal, point.wo) < 0 ? -1.f : 1.f;
   geometric_normal_ = point.hit.geometric_normal * side;
   frame_ = Frame(visible_normal(point.hit.shading_normal * side, geometric_normal_, point.wo));
   inside_ = side < 0 && glass > 0 && !thin_walled;
-  is_lambertian_ = is_lambertian();
   const float cosine = dot(frame_.n, point.wo);
+  sees_ = same_side(point.wo) && cosine > 0;
+  Shares estimates;
+  if (is_lambertian_) {
+    estimates.diffuse = luminance(diffuse);
+    estimates.transmitted = luminance(transmitted);
+  } else {
+    set_lobes(cosine);
+    estimates = albedos(cosine);
+  }
+  const float sum = estimates.sum();
+  shares_ = estimates * (sum > 0 ? 1 / sum : 0);
+}
+
+void Bsdf::set_lobes(float cosine) {
   if (f0 > 0) specular_albedo_ = ggx::Albedo::dielectric(alpha, f0);
   if (fuzz > 0) fibers_ = fuzz::Fibers(fuzz_roughness);
   if (coat > 0) coat_albedo_ = ggx::Albedo::dielectric(coat_alpha, coat_f0);
@@ -41,7 +55,6 @@ void Bsdf::set_frame(const ShadingPoint& point) {
   } else {
     diffuse_mean_ = f0 > 0 ? 1 - specular_albedo_.mean() : 1;
   }
-  shares_ = shares(cosine);
 }
 
 // What the dielectric and the layers over it let pass to the base.
@@ -130,13 +143,6 @@ Spectrum Bsdf::diffuse_reflectance(Vec3f wo, Vec3f wi) const {
   return diffuse_roughness > 0 ? rough_.reflectance(diffuse, wo, wi) : diffuse / pi_f;
 }
 
-// Chiang, Li, Burley 2019, equation 3: a smooth fall to zero where the geometric horizon cuts the shading hemisphere.
-inline float Bsdf::terminator(Vec3f wi) const {
-  const float across = dot(frame_.n, wi) * dot(frame_.n, geometric_normal_);
-  const float g = across > 0 ? std::min(1.f, dot(geometric_normal_, wi) / across) : 0;
-  return g * (1 + g * (1 - g));
-}
-
 // What is lost between microfacets of glass, given back as in Turquin 2019.
 float Bsdf::glass_gain(float cos_o) const {
   if (thin_walled) return 1 / ggx::Albedo::white(alpha).at(cos_o);
@@ -215,25 +221,9 @@ Spectrum Bsdf::albedo() const {
   return base * (1 - metalness) + metal_f0 * (metal_weight * metalness);
 }
 
-inline Bsdf::Scattered Bsdf::lambertian(float cos_i) const {
-  if (cos_i > 0) return {diffuse / pi_f, shares_.diffuse * cos_i / pi_f};
-  return {transmitted / pi_f, shares_.transmitted * -cos_i / pi_f};
-}
-
-Bsdf::Scattered Bsdf::scattered(Vec3f wo_world, Vec3f wi_world) const {
-  const float cos_o = dot(frame_.n, wo_world), cos_i = dot(frame_.n, wi_world);
-  if (!same_side(wo_world) || !(cos_o > 0)) return {};
-  const bool reflects = same_side(wi_world);
-  if (reflects ? !(cos_i > 0) : !(cos_i < 0)) return {};
-  Scattered s;
-  if (is_lambertian_) {
-    s = lambertian(cos_i);
-  } else {
-    const Vec3f wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
-    s = reflects ? reflected(wo, wi) : passed_through(wo, wi);
-  }
-  s.value *= reflects ? cos_i * terminator(wi_world) : -cos_i;
-  return s;
+Bsdf::Scattered Bsdf::by_lobes(Vec3f wo_world, Vec3f wi_world, bool reflects) const {
+  const Vec3f wo = frame_.to_local(wo_world), wi = frame_.to_local(wi_world);
+  return reflects ? reflected(wo, wi) : passed_through(wo, wi);
 }
 
 }  // namespace meristem

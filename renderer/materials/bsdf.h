@@ -1,5 +1,5 @@
-// Bsdf: the scattering of one hit with all parameters evaluated: a plain record that a material fills and an integrator
-// asks. Lives on the stack; no allocation. Directions are unit, in world space, away from the surface.
+// Bsdf: the scattering of one hit: made by a material of parameters that it has evaluated, asked by an integrator.
+// Immutable; lives on the stack; no allocation. Directions are unit, in world space, away from the surface.
 //
 // Lobes, for a surface that is `metalness` metal and otherwise a dielectric over a diffuse base:
 //  - GGX reflection (ggx.h) with the exact dielectric Fresnel term, or for metal the F82-tint of Kutz, Hasan,
@@ -32,8 +32,8 @@
 
 namespace meristem {
 
-struct Bsdf {
-  // Parameters: set by Material::evaluate. Colours lie in [0, 1].
+// Colours lie in [0, 1].
+struct BsdfParameters {
   Spectrum diffuse{0.8f, 0.8f, 0.8f};  // albedo of diffuse reflection
   Spectrum transmitted{};              // albedo of diffuse transmission; diffuse + transmitted <= 1
   float diffuse_roughness = 0;         // [0, 1]
@@ -58,8 +58,16 @@ struct Bsdf {
   float opacity = 1;                   // probability that light meets the surface at all
   Spectrum emission{};                 // radiance, all directions, both sides
 
-  // Sets the normals for light that leaves towards point.wo, and what follows from the other parameters: so after them.
-  void set_frame(const ShadingPoint& point);
+  // Nothing but Lambert's law on both sides: only cosines matter.
+  bool is_lambertian() const {
+    return !(f0 > 0 || metalness > 0 || glass > 0 || coat > 0 || fuzz > 0 || diffuse_roughness > 0);
+  }
+};
+
+class Bsdf : public BsdfParameters {
+ public:
+  // For light that leaves the point towards point.wo.
+  Bsdf(const BsdfParameters& parameters, const ShadingPoint& point);
 
   // Whether light comes through from the other side.
   bool transmits() const { return transmitted != Spectrum{} || glass > 0; }
@@ -69,7 +77,7 @@ struct Bsdf {
   // them. For AOVs.
   Spectrum albedo() const;
 
-  // What it scatters from wi to wo. Here and below wo is that of set_frame().
+  // What it scatters from wi to wo. Here and below wo is that of the point.
   struct Scattered {
     Spectrum value;  // times |cos| of wi
     float pdf = 0;   // the density of sample() by solid angle
@@ -84,12 +92,15 @@ struct Bsdf {
   struct Shares {
     float specular = 0, diffuse = 0, transmitted = 0, glass = 0, coat = 0, fuzz = 0;  // sum to 1, or all 0
     float sum() const { return specular + diffuse + transmitted + glass + coat + fuzz; }
+    Shares operator*(float scale) const {
+      return {specular * scale, diffuse * scale, transmitted * scale, glass * scale, coat * scale, fuzz * scale};
+    }
   };
   struct Choice {
     Vec3f wi;  // zero: absorbed
     bool transmission = false;
   };
-  Shares shares(float cosine) const;
+  Shares albedos(float cosine) const;
   Spectrum fresnel(float cosine) const;
   Spectrum metal_fresnel(float cosine) const;
   Spectrum metal_interreflection(float cos_o, float cos_i) const;
@@ -107,14 +118,16 @@ struct Bsdf {
   float eta() const;  // of the glass, from the side of wo
   float glass_fresnel(float cosine) const;
   float glass_gain(float cos_o) const;
-  // Nothing but Lambert's law on both sides: only cosines matter.
-  bool is_lambertian() const { return !mirrors() && !layered() && !(diffuse_roughness > 0); }
+  void set_lobes(float cosine);  // of wo
   Scattered lambertian(float cos_i) const;
+  // Without the cosine of wi; directions in world space.
+  Scattered by_lobes(Vec3f wo, Vec3f wi, bool reflects) const;
   Scattered reflected(Vec3f wo, Vec3f wi) const;
   Scattered layers_reflected(Vec3f wo, Vec3f wi) const;
   Scattered passed_through(Vec3f wo, Vec3f wi) const;
   Scattered glass_through(Vec3f wo, Vec3f wi) const;
-  Choice choose(Vec3f wo, Vec2f random, float choice) const;
+  Choice choose_diffuse(Vec2f random, float choice) const;
+  Choice choose(Vec3f wo, Vec2f random, float choice) const;  // wo in world space
   Choice choose_glass(Vec3f wo, Vec2f random, float choice) const;
   Spectrum diffuse_reflectance(Vec3f wo, Vec3f wi) const;
   float terminator(Vec3f wi) const;
@@ -123,7 +136,8 @@ struct Bsdf {
   Vec3f geometric_normal_{0, 0, 1};            // on the side of wo
   Frame frame_;                                // around the shading normal, on the side of wo
   bool inside_ = false;                        // wo is where the glass is
-  bool is_lambertian_ = false;                 // is_lambertian()
+  bool is_lambertian_;                         // is_lambertian()
+  bool sees_;                                  // wo lies above both normals: else nothing is scattered
   ggx::Albedo specular_albedo_, coat_albedo_;  // of the dielectric if f0 > 0, of the coat if there is one
   fuzz::Fibers fibers_;                        // if there is fuzz
   RoughDiffuse rough_;                         // if the base is rough
@@ -132,5 +146,50 @@ struct Bsdf {
   Shares shares_;
   float diffuse_mean_ = 1;  // the mean over all directions of what reaches the diffuse base
 };
+
+// Chiang, Li, Burley 2019, equation 3: a smooth fall to zero where the geometric horizon cuts the shading hemisphere.
+inline float Bsdf::terminator(Vec3f wi) const {
+  const float across = dot(frame_.n, wi) * dot(frame_.n, geometric_normal_);
+  const float g = across > 0 ? std::min(1.f, dot(geometric_normal_, wi) / across) : 0;
+  return g * (1 + g * (1 - g));
+}
+
+inline Bsdf::Scattered Bsdf::lambertian(float cos_i) const {
+  if (cos_i > 0) return {diffuse / pi_f, shares_.diffuse * cos_i / pi_f};
+  return {transmitted / pi_f, shares_.transmitted * -cos_i / pi_f};
+}
+
+inline Bsdf::Scattered Bsdf::scattered(Vec3f wo, Vec3f wi) const {
+  const float cos_i = dot(frame_.n, wi);
+  const bool reflects = same_side(wi);
+  if (!sees_ || (reflects ? !(cos_i > 0) : !(cos_i < 0))) return {};
+  Scattered s = is_lambertian_ ? lambertian(cos_i) : by_lobes(wo, wi, reflects);
+  s.value *= reflects ? cos_i * terminator(wi) : -cos_i;
+  return s;
+}
+
+inline Bsdf::Choice Bsdf::choose_diffuse(Vec2f random, float choice) const {
+  const Vec3f wi = cosine_hemisphere(random);
+  if (choice < shares_.diffuse + shares_.fuzz || !(shares_.transmitted > 0)) return {wi, false};
+  return {{wi.x, wi.y, -wi.z}, true};
+}
+
+inline BsdfSample Bsdf::sample(Vec3f wo, Vec2f random, float choice) const {
+  BsdfSample result;
+  if (!sees_) return result;
+  const Choice chosen = is_lambertian_ ? choose_diffuse(random, choice) : choose(wo, random, choice);
+  if (chosen.wi == Vec3f{}) return result;
+  result.is_transmission = chosen.transmission;
+  result.wi = normalize(frame_.to_world(chosen.wi));
+  if (same_side(result.wi) == result.is_transmission) return result;
+  const auto [value, density] = scattered(wo, result.wi);
+  if (!(density > 0)) return result;
+  const Spectrum weight = value / density;
+  if (!is_finite(weight)) return result;
+  if (result.is_transmission && glass > 0 && !thin_walled) result.eta = eta();
+  result.pdf = density;
+  result.weight = weight;
+  return result;
+}
 
 }  // namespace meristem

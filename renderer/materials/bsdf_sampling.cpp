@@ -1,12 +1,12 @@
-// The sampling half of Bsdf; bsdf.cpp is its scattering.
+// Which lobe of a Bsdf is sampled, and where; bsdf.cpp is its scattering.
 #include "renderer/materials/bsdf.h"
 #include "renderer/materials/ggx.h"
 #include "renderer/materials/ggx_albedo.h"
 
 namespace meristem {
 
-// Lobes are picked by their albedos, estimated.
-Bsdf::Shares Bsdf::shares(float cosine) const {
+// Of the lobes, estimated: they are picked by these.
+Bsdf::Shares Bsdf::albedos(float cosine) const {
   const float base = 1 - metalness;
   Shares s;
   s.specular = base * (1 - glass) * reflected_o_ * luminance(dielectric_tint);
@@ -23,9 +23,7 @@ Bsdf::Shares Bsdf::shares(float cosine) const {
     s.coat = coat_albedo(cosine) * (1 - fuzz_albedo(cosine));
     s.fuzz = fuzz_albedo(cosine) * luminance(fuzz_color);
   }
-  const float scale = s.sum() > 0 ? 1 / s.sum() : 0;
-  return {s.specular * scale, s.diffuse * scale, s.transmitted * scale,
-          s.glass * scale,    s.coat * scale,    s.fuzz * scale};
+  return s;
 }
 
 // One microfacet reflects or refracts, by its Fresnel term.
@@ -36,7 +34,8 @@ Bsdf::Choice Bsdf::choose_glass(Vec3f wo, Vec2f random, float choice) const {
   return {ggx::refract(wo, h, eta()), true};
 }
 
-Bsdf::Choice Bsdf::choose(Vec3f wo, Vec2f random, float choice) const {
+Bsdf::Choice Bsdf::choose(Vec3f wo_world, Vec2f random, float choice) const {
+  const Vec3f wo = frame_.to_local(wo_world);
   const Shares& s = shares_;
   auto mirrored = [&](float roughness) {
     const Vec3f h = ggx::sample_visible_normal(wo, roughness, random);
@@ -51,28 +50,7 @@ Bsdf::Choice Bsdf::choose(Vec3f wo, Vec2f random, float choice) const {
   if (picked(s.specular)) return {mirrored(alpha), false};
   if (picked(s.glass)) return choose_glass(wo, random, choice / s.glass);
   if (picked(s.coat)) return {mirrored(coat_alpha), false};
-  const Vec3f wi = cosine_hemisphere(random);
-  if (picked(s.diffuse + s.fuzz) || !(s.transmitted > 0)) return {wi, false};
-  return {{wi.x, wi.y, -wi.z}, true};
-}
-
-BsdfSample Bsdf::sample(Vec3f wo_world, Vec2f random, float choice) const {
-  const Vec3f wo = frame_.to_local(wo_world);
-  BsdfSample result;
-  if (!same_side(wo_world) || !(wo.z > 0)) return result;
-  const Choice chosen = choose(wo, random, choice);
-  if (chosen.wi == Vec3f{}) return result;
-  result.is_transmission = chosen.transmission;
-  result.wi = normalize(frame_.to_world(chosen.wi));
-  if (same_side(result.wi) == result.is_transmission) return result;
-  const auto [value, density] = scattered(wo_world, result.wi);
-  if (!(density > 0)) return result;
-  const Spectrum weight = value / density;
-  if (!is_finite(weight)) return result;
-  if (result.is_transmission && glass > 0 && !thin_walled) result.eta = eta();
-  result.pdf = density;
-  result.weight = weight;
-  return result;
+  return choose_diffuse(random, choice);
 }
 
 }  // namespace meristem

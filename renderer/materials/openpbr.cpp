@@ -61,15 +61,15 @@ class OpenPbr : public Material {
     if (constant_) set_parameters(MaterialValues({}), same_everywhere_);
   }
 
-  void evaluate(const ShadingPoint& point, Bsdf& bsdf) const override {
-    bsdf = same_everywhere_;
-    if (constant_) return bsdf.set_frame(point);
+  Bsdf evaluate(const ShadingPoint& point) const override {
+    if (constant_) return Bsdf(same_everywhere_, point);
     const MaterialValues v = textures_.at(point);
-    set_parameters(v, bsdf);
-    if (bump_.is_constant()) return bsdf.set_frame(point);
+    BsdfParameters parameters = same_everywhere_;
+    set_parameters(v, parameters);
+    if (bump_.is_constant()) return Bsdf(parameters, point);
     ShadingPoint bumped = point;
     bumped.hit.shading_normal = bumped_normal(point, bump_.at(v));
-    bsdf.set_frame(bumped);
+    return Bsdf(parameters, bumped);
   }
 
   bool is_uniform() const override { return constant_; }
@@ -114,7 +114,7 @@ class OpenPbr : public Material {
     return other;
   }
 
-  void set_parameters(const MaterialValues& v, Bsdf& bsdf) const {
+  void set_parameters(const MaterialValues& v, BsdfParameters& bsdf) const {
     bsdf.opacity = opacity_.at(v);
     bsdf.emission = emission_color_.at(v) * emission_luminance_.at(v);
     bsdf.metalness = metalness_.at(v);
@@ -125,7 +125,7 @@ class OpenPbr : public Material {
     if (!is_zero(coat_weight_)) set_coat(v, bsdf);
   }
 
-  void set_specular(const MaterialValues& v, Bsdf& bsdf) const {
+  void set_specular(const MaterialValues& v, BsdfParameters& bsdf) const {
     const float weight = specular_weight_.at(v), roughness = specular_roughness_.at(v);
     const Spectrum tint = specular_color_.at(v);
     bsdf.alpha = std::max(roughness * roughness, ggx::min_alpha);
@@ -136,7 +136,7 @@ class OpenPbr : public Material {
     bsdf.metal_weight = std::min(weight, 1.f);
   }
 
-  void set_base(const MaterialValues& v, Bsdf& bsdf) const {
+  void set_base(const MaterialValues& v, BsdfParameters& bsdf) const {
     const Spectrum base = base_color_.at(v) * base_weight_.at(v);
     bsdf.metal_f0 = base;
     bsdf.diffuse_roughness = diffuse_roughness_.at(v);
@@ -148,7 +148,7 @@ class OpenPbr : public Material {
   }
 
   // Colour by a depth is Beer's law; without one it tints each of the two crossings by its root.
-  void set_glass(const MaterialValues& v, Bsdf& bsdf) const {
+  void set_glass(const MaterialValues& v, BsdfParameters& bsdf) const {
     bsdf.glass = transmission_weight_.at(v);
     bsdf.thin_walled = thin_walled_;
     const Spectrum color = transmission_color_.at(v);
@@ -160,14 +160,14 @@ class OpenPbr : public Material {
     }
   }
 
-  void set_fuzz(const MaterialValues& v, Bsdf& bsdf) const {
+  void set_fuzz(const MaterialValues& v, BsdfParameters& bsdf) const {
     bsdf.fuzz = fuzz_weight_.at(v);
     bsdf.fuzz_color = fuzz_color_.at(v);
     bsdf.fuzz_roughness = fuzz_roughness_.at(v);
   }
 
   // The coat also roughens what lies below it, and takes the place of air before it (OpenPBR, "Coat").
-  void set_coat(const MaterialValues& v, Bsdf& bsdf) const {
+  void set_coat(const MaterialValues& v, BsdfParameters& bsdf) const {
     const float weight = coat_weight_.at(v), roughness = coat_roughness_.at(v), ior = coat_ior_.at(v);
     bsdf.coat = weight;
     bsdf.coat_tint = coat_color_.at(v);
@@ -182,8 +182,8 @@ class OpenPbr : public Material {
   static bool is_zero(const ScalarParameter& p) { return p.is_constant() && p.constant_value() == 0; }
 
   MaterialTextures textures_;
-  bool constant_ = true;  // no parameter depends on the hit; then all hits have
-  Bsdf same_everywhere_;  // but for the frame
+  bool constant_ = true;            // no parameter depends on the hit; then all hits have
+  BsdfParameters same_everywhere_;  // these
   ScalarParameter base_weight_;
   ColorParameter base_color_;
   ScalarParameter metalness_, diffuse_roughness_;

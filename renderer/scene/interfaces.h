@@ -161,12 +161,12 @@ struct BsdfSample {
 
 // The scattering of one hit, with all parameters evaluated. Small enough to live on the stack of the integrator.
 // Directions are in world space; the side of the surface is decided by the geometric normal.
-struct Bsdf;
+class Bsdf;
 
 class Material {
  public:
   virtual ~Material() = default;
-  virtual void evaluate(const ShadingPoint& point, Bsdf& bsdf) const = 0;
+  virtual Bsdf evaluate(const ShadingPoint& point) const = 0;
   // Whether and what it emits: the part of evaluate()'s emission that is met on average, opacity included.
   virtual bool may_emit() const { return false; }
   virtual Spectrum emission(const ShadingPoint& point) const {
@@ -229,9 +229,9 @@ class PathStepper {
   // A path that asks for neither has ended.
   virtual RayRequest request(const void* state, int ray) const = 0;
   // Hands over what the request met. They may be traced in any order, but the first is answered before the second; the
-  // answer may bring a next request for the same ray, that to the second the next vertex. `hit` is that of a request
-  // for the nearest.
-  virtual void answer(void* state, int ray, bool met, const SurfaceHit& hit, const PathTools& tools) const = 0;
+  // answer may bring a next request for the same ray, that to the second the next vertex. `point` holds the hit of a
+  // request for the nearest; the rest of it is the path's to fill.
+  virtual void answer(void* state, int ray, bool met, ShadingPoint& point, const PathTools& tools) const = 0;
   virtual Spectrum result(const void* state) const = 0;  // the radiance, of a path that has ended
 };
 

@@ -7,6 +7,7 @@
 
 #include "renderer/session/camera_paths.h"
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -34,19 +35,31 @@ class PathBatch {
 
  private:
   struct Slot;
-  struct Cost;
+  struct Cost {
+    ThreadExpansions expansions;
+    double nanoseconds = 0;  // its share of the time beside these
+    std::uint32_t rays = 0;  // that were traced to this vertex
+  };
+  using Answers = std::array<const RayQuery*, PathStepper::most_rays>;  // the next of each kind
 
   void follow(Sampler& sampler, RayCounts& rays);
   void begin(std::size_t i, Sampler& sampler, RayCounts& rays);
   bool ask(std::size_t i);
-  void answer(std::size_t i, const RayQuery*& answers, Sampler& sampler, RayCounts& rays);
+  Answers trace_asked(bool are_neighbours);
+  void answer(std::size_t i, Answers& answers, Sampler& sampler, RayCounts& rays);
   void meet_light(std::size_t i, bool met, const PathTools& tools);
-  RayQuery query(std::size_t i, int ray, const RayRequest& request);
-  SurfaceHit& hit(std::size_t i, int ray) { return hits_[i * PathStepper::most_rays + std::size_t(ray)]; }
+  RayQuery query(std::size_t i, int ray, const RayRequest& request) {
+    return {.ray = &request.ray,
+            .hit = request.kind == RayRequest::Kind::Any ? nullptr : &point(i, ray).hit,
+            .expansions = costs_.empty() ? nullptr : &costs_[i].expansions};
+  }
+  ShadingPoint& point(std::size_t i, int ray) { return points_[i * PathStepper::most_rays + std::size_t(ray)]; }
   FilmSample result(std::size_t i) const;
   std::uint64_t tracing_clock() const;
   void share_time(std::uint64_t& since);
-  PathTools tools(std::size_t i, Sampler& sampler, RayCounts& rays);
+  PathTools tools(std::size_t i, Sampler& sampler, RayCounts& rays) {
+    return {scene_, sampler, rays, first_.empty() ? nullptr : &first_[i]};
+  }
   void* state(std::size_t i) const { return &states_[i * state_words_]; }
 
   const Scene& scene_;
@@ -59,8 +72,9 @@ class PathBatch {
   std::vector<FirstSurface> first_;  // none: they are not wanted
   std::vector<Cost> costs_;          // nor these
   std::vector<std::size_t> alive_;
-  std::vector<SurfaceHit> hits_;  // of each path's rays
-  std::vector<RayQuery> queries_;
+  std::vector<ShadingPoint> points_;          // that each path's rays meet
+  std::array<std::vector<RayQuery>, PathStepper::most_rays> asked_;  // of the paths alive, in their order
+  std::vector<RayQuery> traced_;
 };
 
 }  // namespace meristem

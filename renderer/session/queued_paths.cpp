@@ -328,19 +328,19 @@ bool QueuedPaths::go_on(std::uint32_t id, const PathTools& tools) {
     const bool light_waits = !meets_light(id, tools);
     const RayRequest request = stepper_.request(path, 1);
     if (request.kind == RayRequest::Kind::None) return light_waits;
-    SurfaceHit hit;
+    ShadingPoint point;
     if (!s.has_early) {
-      const RaySearch::End end = search(request, s.searches[1], hit);
+      const RaySearch::End end = search(request, s.searches[1], point.hit);
       if (end == RaySearch::End::Waits) return true;
       s.early_met = end == RaySearch::End::Met;
-      if (light_waits && s.early_met) s.early = std::make_unique<SurfaceHit>(hit);
+      if (light_waits && s.early_met) s.early = std::make_unique<SurfaceHit>(point.hit);
       s.has_early = true;
     } else if (!light_waits && s.early) {
-      hit = *std::exchange(s.early, nullptr);
+      point.hit = *std::exchange(s.early, nullptr);
     }
     if (light_waits) return true;
     s.has_early = false;
-    stepper_.answer(path, 1, s.early_met, hit, tools);
+    stepper_.answer(path, 1, s.early_met, point, tools);
   }
 }
 
@@ -349,10 +349,10 @@ bool QueuedPaths::meets_light(std::uint32_t id, const PathTools& tools) {
   while (true) {
     const RayRequest request = stepper_.request(state(id), 0);
     if (request.kind == RayRequest::Kind::None) return true;
-    SurfaceHit hit;
-    const RaySearch::End end = search(request, slot(id).searches[0], hit);
+    ShadingPoint point;
+    const RaySearch::End end = search(request, slot(id).searches[0], point.hit);
     if (end == RaySearch::End::Waits) return false;
-    stepper_.answer(state(id), 0, end == RaySearch::End::Met, hit, tools);
+    stepper_.answer(state(id), 0, end == RaySearch::End::Met, point, tools);
   }
 }
 

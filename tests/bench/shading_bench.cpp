@@ -42,38 +42,38 @@ void build_tree(benchmark::State& state) {
 }
 BENCHMARK(build_tree)->Arg(1000)->Arg(30000)->Unit(benchmark::kMillisecond);
 
-Bsdf plastic() { return {}; }
-Bsdf glass() {
-  Bsdf b;
+BsdfParameters plastic() { return {}; }
+BsdfParameters glass() {
+  BsdfParameters b;
   b.glass = 1;
   return b;
 }
-Bsdf rough_plastic() {
-  Bsdf b;
+BsdfParameters rough_plastic() {
+  BsdfParameters b;
   b.diffuse_roughness = 0.5f;
   return b;
 }
-Bsdf rough_and_coated() {
-  Bsdf b = rough_plastic();
+BsdfParameters rough_and_coated() {
+  BsdfParameters b = rough_plastic();
   b.coat = 1;
   return b;
 }
-Bsdf coated_and_dusty() {
-  Bsdf b;
+BsdfParameters coated_and_dusty() {
+  BsdfParameters b;
   b.coat = 1;
   b.fuzz = 0.5f;
   return b;
 }
 
 // Of one hit: the frame, one direction asked for (as for a light), one sampled.
-void scatter(benchmark::State& state, Bsdf (*make)()) {
-  Bsdf bsdf = make();
+void scatter(benchmark::State& state, BsdfParameters (*make)()) {
+  const BsdfParameters parameters = make();
   ShadingPoint point;
   point.hit.geometric_normal = point.hit.shading_normal = {0, 1, 0};
   Key i = 0;
   for (auto _ : state) {
     point.wo = normalize(random_vector(i % 1024, 0) + Vec3f{0, 1.1f, 0});
-    bsdf.set_frame(point);
+    const Bsdf bsdf(parameters, point);
     const Vec3f wi = normalize(random_vector(i % 1024, 3) + Vec3f{0, 1.1f, 0});
     benchmark::DoNotOptimize(bsdf.evaluate(point.wo, wi));
     benchmark::DoNotOptimize(bsdf.pdf(point.wo, wi));

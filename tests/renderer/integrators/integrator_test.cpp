@@ -78,7 +78,8 @@ struct Matte : Material {
   Spectrum albedo{0.5f, 0.5f, 0.5f};
   float specular = 0, alpha = 0.09f, opacity = 1, glass = 0;
   Spectrum emission, absorption;
-  void evaluate(const ShadingPoint& point, Bsdf& bsdf) const override {
+  Bsdf evaluate(const ShadingPoint& point) const override {
+    BsdfParameters bsdf;
     bsdf.diffuse = albedo;
     bsdf.f0 = specular;
     bsdf.alpha = alpha;
@@ -86,7 +87,7 @@ struct Matte : Material {
     bsdf.emission = emission;
     bsdf.glass = glass;
     bsdf.absorption = absorption;
-    bsdf.set_frame(point);
+    return {bsdf, point};
   }
   bool may_be_transparent() const override { return opacity < 1; }
   bool may_emit() const override { return emission != Spectrum{}; }
@@ -366,12 +367,12 @@ TEST_F(Transport, PathsThatWaitEndWithTheSameBits) {
       const RayRequest request = stepper->request(path.state.data(), ray);
       if (request.kind == RayRequest::Kind::None) continue;
       ++alive;
-      SurfaceHit hit;
-      const bool met = world->intersect(request.ray, hit);
-      if (request.kind == RayRequest::Kind::Any) hit = {};
+      ShadingPoint point;
+      const bool met = world->intersect(request.ray, point.hit);
+      if (request.kind == RayRequest::Kind::Any) point = {};
       scene.sampler->start(i, 0, 3, 1);
       scene.sampler->go_to(path.dimension);
-      stepper->answer(path.state.data(), ray, met, hit, {scene, *scene.sampler, in_turn, nullptr});
+      stepper->answer(path.state.data(), ray, met, point, {scene, *scene.sampler, in_turn, nullptr});
       path.dimension = scene.sampler->dimension();
     }
   }

@@ -21,70 +21,69 @@ Vec3f from_up(float cosine, float turn = 0.4f) {
 }
 
 // For light that leaves towards wo from a surface whose normals are as given.
-Bsdf framed(Bsdf bsdf, Vec3f wo, Vec3f shading = {0, 1, 0}) {
+Bsdf framed(const BsdfParameters& parameters, Vec3f wo, Vec3f shading = {0, 1, 0}) {
   ShadingPoint point;
   point.hit.geometric_normal = {0, 1, 0};
   point.hit.shading_normal = shading;
   point.wo = wo;
-  bsdf.set_frame(point);
-  return bsdf;
+  return {parameters, point};
 }
 
 struct Case {
   const char* name;
-  Bsdf bsdf;
+  BsdfParameters bsdf;
 };
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
-Bsdf plastic(float alpha, float f0 = 0.04f) {
-  Bsdf b;
+BsdfParameters plastic(float alpha, float f0 = 0.04f) {
+  BsdfParameters b;
   b.diffuse = Spectrum(1.f);
   b.alpha = alpha;
   b.f0 = f0;
   return b;
 }
-Bsdf metal(float alpha, Spectrum f0, Spectrum f82 = Spectrum(1.f)) {
-  Bsdf b;
+BsdfParameters metal(float alpha, Spectrum f0, Spectrum f82 = Spectrum(1.f)) {
+  BsdfParameters b;
   b.metalness = 1;
   b.alpha = alpha;
   b.metal_f0 = f0;
   b.metal_f82 = f82;
   return b;
 }
-Bsdf leaf() {
-  Bsdf b;
+BsdfParameters leaf() {
+  BsdfParameters b;
   b.diffuse = {0.1f, 0.2f, 0.05f};
   b.transmitted = {0.2f, 0.5f, 0.1f};
   b.alpha = 0.25f;
   return b;
 }
-Bsdf lambert(float roughness) {
-  Bsdf b;
+BsdfParameters lambert(float roughness) {
+  BsdfParameters b;
   b.diffuse = Spectrum(1.f);
   b.f0 = 0;
   b.diffuse_roughness = roughness;
   return b;
 }
-Bsdf coated(Bsdf b, float weight = 1, float alpha = 0.01f) {
+BsdfParameters coated(BsdfParameters b, float weight = 1, float alpha = 0.01f) {
   b.coat = weight;
   b.coat_alpha = alpha;
   return b;
 }
-Bsdf fuzzy(Bsdf b, float roughness, float weight = 1) {
+BsdfParameters fuzzy(BsdfParameters b, float roughness, float weight = 1) {
   b.fuzz = weight;
   b.fuzz_roughness = roughness;
   return b;
 }
-Bsdf glass(float alpha, float f0 = 0.04f, bool thin_walled = false) {
-  Bsdf b;
+BsdfParameters glass(float alpha, float f0 = 0.04f, bool thin_walled = false) {
+  BsdfParameters b;
   b.glass = 1;
   b.alpha = alpha;
   b.f0 = f0;
   b.thin_walled = thin_walled;
   return b;
 }
-Bsdf everything() {
-  Bsdf b = coated(fuzzy(leaf(), 0.3f, 0.5f), 0.7f, 0.2f);
+BsdfParameters everything() {
+  BsdfParameters b = coated(fuzzy(leaf(), 0.3f, 0.5f), 0.7f, 0.2f);
   b.coat_tint = {0.9f, 0.5f, 0.2f};
   b.metalness = 0.2f;
   b.metal_f0 = {0.9f, 0.7f, 0.4f};
@@ -92,8 +91,8 @@ Bsdf everything() {
   b.thin_walled = true;
   return b;
 }
-Bsdf mixture() {
-  Bsdf b = metal(0.2f, {0.9f, 0.6f, 0.3f}, {0.8f, 0.9f, 1});
+BsdfParameters mixture() {
+  BsdfParameters b = metal(0.2f, {0.9f, 0.6f, 0.3f}, {0.8f, 0.9f, 1});
   b.metalness = 0.4f;
   b.diffuse = {0.6f, 0.5f, 0.1f};
   b.diffuse_roughness = 0.7f;
@@ -135,7 +134,7 @@ TEST_P(AnyBsdf, GivesBackNoMoreLightThanItGets) {
 }
 
 TEST_P(AnyBsdf, IsReciprocal) {
-  const Bsdf& b = GetParam().bsdf;
+  const BsdfParameters& b = GetParam().bsdf;
   if (b.glass > 0 || ((b.coat > 0 || b.fuzz > 0) && b.f0 > 0)) return;  // below
   for (int i = 0; i < 200; ++i) {
     const Vec3f wo = from_up(0.01f + 0.99f * random_number(i, 0), 6 * random_number(i, 1));
@@ -149,7 +148,7 @@ TEST_P(AnyBsdf, IsReciprocal) {
 
 // Radiance grows by the square of the index inside glass; and what scatters between microfacets is given back by wo.
 TEST(Bsdf, GlassIsReciprocalButForTheGain) {
-  for (const Bsdf& b : {glass(0.1f), glass(0.4f, 0.1f), glass(0.2f, 0.04f, true)})
+  for (const BsdfParameters& b : {glass(0.1f), glass(0.4f, 0.1f), glass(0.2f, 0.04f, true)})
     for (int i = 0; i < 400; ++i) {
       const Vec3f wo = from_up(0.05f + 0.95f * random_number(i, 0), 6 * random_number(i, 1));
       Vec3f wi = from_up(0.05f + 0.95f * random_number(i, 2), 6 * random_number(i, 3));
@@ -167,8 +166,8 @@ TEST(Bsdf, GlassIsReciprocalButForTheGain) {
 
 // Below a layer a specular lobe is dimmed by what the layer passes of wo.
 TEST(Bsdf, LobesBelowACoatAreReciprocalButForWhatItPasses) {
-  const Bsdf b = coated(metal(0.3f, {1, 0.8f, 0.4f}), 0.8f, 0.1f);
-  Bsdf coat_alone = b;
+  const BsdfParameters b = coated(metal(0.3f, {1, 0.8f, 0.4f}), 0.8f, 0.1f);
+  BsdfParameters coat_alone = b;
   coat_alone.metal_weight = 0;
   const auto coat_albedo = ggx::Albedo::dielectric(b.coat_alpha, b.coat_f0);
   auto metal_alone = [&](Vec3f from, Vec3f to) {
@@ -281,7 +280,7 @@ TEST_P(White, FurnaceGivesAllLightBack) {
 // Every layer over every other, and each of them at the ends and in the midst of its range.
 TEST(Bsdf, WhiteBasesBelowAnyLayersGiveAllLightBack) {
   constexpr int count = 50000;
-  auto check = [](const Bsdf& b) {
+  auto check = [](const BsdfParameters& b) {
     for (float c : {0.02f, 0.15f, 1.f}) {
       const Vec3f wo = from_up(c);
       EXPECT_NEAR(albedo(framed(b, wo), wo, count).y, 1, 0.001)
@@ -291,13 +290,13 @@ TEST(Bsdf, WhiteBasesBelowAnyLayersGiveAllLightBack) {
   };
   for (float base : {0.f, 0.5f, 1.f})
     for (float f0 : {0.f, 0.04f}) {
-      Bsdf b = plastic(0.3f, f0);
+      BsdfParameters b = plastic(0.3f, f0);
       b.diffuse_roughness = base;
       for (float roughness : {0.05f, 0.12f, 0.5f, 1.f}) check(fuzzy(b, roughness));
       for (float alpha : {0.001f, 0.1f, 1.f}) check(coated(fuzzy(b, 0.3f, 0.5f), 0.7f, alpha));
       for (float alpha : {0.001f, 0.1f, 1.f})
         for (float ior : {1.05f, 1.6f, 4.f}) {
-          Bsdf lacquered = coated(b, 1, alpha);
+          BsdfParameters lacquered = coated(b, 1, alpha);
           lacquered.coat_f0 = std::min(ggx::f0_of(ior), ggx::max_f0);
           check(lacquered);
         }
@@ -306,9 +305,9 @@ TEST(Bsdf, WhiteBasesBelowAnyLayersGiveAllLightBack) {
 
 // The second lobe of a rough base is reciprocal whatever lies above; specular lobes are not (below).
 TEST(Bsdf, RoughBasesBelowLayersAreReciprocal) {
-  Bsdf b = coated(fuzzy(lambert(0.8f), 0.3f, 0.7f), 0.9f, 0.2f);
+  BsdfParameters b = coated(fuzzy(lambert(0.8f), 0.3f, 0.7f), 0.9f, 0.2f);
   b.diffuse = {0.9f, 0.5f, 0.1f};
-  Bsdf layers = b;
+  BsdfParameters layers = b;
   layers.diffuse = {};
   auto base = [&](Vec3f from, Vec3f to) {
     return (framed(b, from).evaluate(from, to) - framed(layers, from).evaluate(from, to)) / to.y;
@@ -361,7 +360,7 @@ TEST(Bsdf, GlassReflectsAllBeyondTheCriticalAngle) {
 }
 
 TEST(Bsdf, CoatTintsLongerPathsMore) {
-  Bsdf b = coated(lambert(0));
+  BsdfParameters b = coated(lambert(0));
   b.coat_tint = {1, 0.5f, 0.25f};
   const Vec3f up = from_up(1), flat = from_up(0.2f);
   const Spectrum straight = framed(b, up).evaluate(up, from_up(0.96f));
@@ -372,15 +371,14 @@ TEST(Bsdf, CoatTintsLongerPathsMore) {
 }
 
 TEST(Bsdf, FuzzShinesAtTheRim) {
-  const Bsdf b = fuzzy(lambert(0), 0.3f);
-  Bsdf black = b;
+  BsdfParameters black = fuzzy(lambert(0), 0.3f);
   black.diffuse = {};
   const Vec3f up = from_up(1), flat = from_up(0.1f);
   EXPECT_GT(albedo(framed(black, flat), flat).y, 3 * albedo(framed(black, up), up).y);
 }
 
 TEST(Bsdf, LambertIsAlbedoOverPi) {
-  Bsdf b = lambert(0);
+  BsdfParameters b = lambert(0);
   b.diffuse = {0.2f, 0.4f, 0.6f};
   const Vec3f wo = from_up(0.7f), wi = from_up(0.3f, 2);
   EXPECT_LT(length(framed(b, wo).evaluate(wo, wi) - b.diffuse * (0.3f / pi_f)), 1e-6f);

@@ -21,11 +21,7 @@ struct OpenPbrTest : testing::Test {
     point.hit.origin.key = 17;
     point.hit.origin.parameters = {0.5f, 0.1f};
   }
-  Bsdf bsdf(const std::string& text) {
-    Bsdf result;
-    make<Material>(register_openpbr, text)->evaluate(point, result);
-    return result;
-  }
+  Bsdf bsdf(const std::string& text) { return make<Material>(register_openpbr, text)->evaluate(point); }
 
   ShadingPoint point;
 };
@@ -81,13 +77,12 @@ TEST_F(OpenPbrTest, TexturesAreVariables) {
   write_image(folder + name, Image{2, 1, 1, {0, 1}});
   auto color_at = [&](float u, const std::string& more, const std::string& expression) {
     point.hit.u = u;
-    Bsdf result;
-    make<Material>(register_openpbr,
-                   R"({ "textures": { "half": { "file": ")" + name + "\"" + more + R"( } }, "base_color": ")" +
-                       expression + "\" }",
-                   folder + "scene.jsonc")
-        ->evaluate(point, result);
-    return result.diffuse;
+    return make<Material>(register_openpbr,
+                          R"({ "textures": { "half": { "file": ")" + name + "\"" + more + R"( } }, "base_color": ")" +
+                              expression + "\" }",
+                          folder + "scene.jsonc")
+        ->evaluate(point)
+        .diffuse;
   };
   EXPECT_EQ(color_at(0.25f, "", "half"), Spectrum{});
   EXPECT_EQ(color_at(0.75f, "", "half * [1, 0.5, 0.25]"), (Spectrum{1, 0.5f, 0.25f}));
@@ -201,8 +196,7 @@ TEST_P(WhiteFurnace, CoatsLoseNoLight) {
                                 R"(, "coat_ior": )" + ior + ", " + GetParam().parameters + "}");
       for (float c : {0.02f, 0.1f, 0.3f, 0.6f, 1.f}) {
         point.wo = {std::sqrt(1 - c * c), c, 0};
-        Bsdf bsdf;
-        material->evaluate(point, bsdf);
+        const Bsdf bsdf = material->evaluate(point);
         EXPECT_NEAR(given_back(bsdf, point.wo), 1, 0.001) << "roughness " << roughness << ", ior " << ior << ", " << c;
       }
     }
