@@ -69,10 +69,10 @@ class Intersector {
   // The same for many rays, of which some are on their way at once: while one waits for memory others go on. That takes
   // down to half of the time for rays that have nothing in common; those of neighbouring pixels it makes no faster.
   // Some dozens are enough. The bits are those of the calls one by one.
-  // `are_alike`: those that follow each other in the list go nearly the same way, as those of a camera do; that takes a
-  // third of the time again.
-  virtual void trace(std::span<RayQuery> queries, bool are_alike = false) const {
-    (void)are_alike;
+  // `are_neighbours`: those that follow each other in the list begin near each other, as those of a camera do; where
+  // they also have nearly one direction, this takes a third of the time.
+  virtual void trace(std::span<RayQuery> queries, bool are_neighbours = false) const {
+    (void)are_neighbours;
     for (RayQuery& q : queries) trace_alone(q);
   }
   // The same for a ray that would rather wait than expand: the nearest hit, or with `any` whether there is one. After

@@ -1,15 +1,26 @@
 #include "geometry/accel/streamed_rays.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace meristem {
 
 namespace {
 
-// As cosine of the angle between them: beyond it rays part soon.
-constexpr float least_alike = 0.995f;
+// Of the angle between two rays: beyond it they part soon.
+constexpr float least_cosine = 0.995f;
+// A packet costs what a few rays do.
+constexpr std::size_t least_packet = 4;
 
-bool are_alike(Vec3f a, Vec3f b) { return dot(a, b) >= least_alike * std::sqrt(dot(a, a) * dot(b, b)); }
+bool are_alike(Vec3f a, Vec3f b) { return dot(a, b) >= least_cosine * std::sqrt(dot(a, a) * dot(b, b)); }
+
+// Of those at the beginning that go as the first does, a packet.
+std::span<RayQuery> alike(std::span<RayQuery> queries) {
+  const Vec3f first = queries[0].ray->direction;
+  std::size_t count = 1;
+  while (count < std::min(queries.size(), RayPacket::most) && are_alike(first, queries[count].ray->direction)) ++count;
+  return queries.first(count);
+}
 
 }  // namespace
 
@@ -38,25 +49,31 @@ class StreamedRays::Aside {
 StreamRay* StreamedRays::next(int lane) {
   Traveller& traveller = travellers_[std::size_t(lane)];
   traveller.end();
-  if (next_ == queries_.size()) return nullptr;
-  traveller.begin(queries_[next_++], *this);
+  if (next_ == alone_.size()) return nullptr;
+  traveller.begin(*alone_[next_++], *this);
   return &traveller;
 }
 
-void StreamedRays::run_packets() {
-  while (next_ < queries_.size()) {
-    const Ray& first = *queries_[next_].ray;
-    RayPacket packet;
-    std::size_t count = 0;
-    while (next_ < queries_.size() && count < RayPacket::most &&
-           are_alike(first.direction, queries_[next_].ray->direction)) {
-      Traveller& traveller = travellers_[count++];
-      traveller.begin(queries_[next_++], *this);
-      packet.add(traveller);
-    }
-    packet.run();
-    for (std::size_t i = 0; i < count; ++i) travellers_[i].end();
+void StreamedRays::trace(bool are_neighbours) {
+  for (std::span<RayQuery> rest = queries_; !rest.empty();) {
+    const std::span<RayQuery> group = are_neighbours ? alike(rest) : rest;
+    if (are_neighbours && group.size() >= least_packet)
+      trace_packet(group);
+    else
+      for (RayQuery& query : group) alone_.push_back(&query);
+    rest = rest.subspan(group.size());
   }
+  run();
+}
+
+void StreamedRays::trace_packet(std::span<RayQuery> alike) {
+  RayPacket packet;
+  for (std::size_t i = 0; i < alike.size(); ++i) {
+    travellers_[i].begin(alike[i], *this);
+    packet.add(travellers_[i]);
+  }
+  packet.run();
+  for (std::size_t i = 0; i < alike.size(); ++i) travellers_[i].end();
 }
 
 void StreamedRays::Traveller::begin(RayQuery& query, StreamedRays& rays) {

@@ -18,16 +18,13 @@ namespace meristem {
 
 class StreamedRays final : public RayStream {
  public:
-  // Answers the queries in run(), within one visit to the cache. All must outlive it. Rays must be finite and have a
-  // direction.
+  // Answers the queries in trace(), within one visit to the cache. All must outlive it. Rays must be finite and have a
+  // direction. `are_neighbours`: as Intersector::trace() has it.
   StreamedRays(const Intersector& world, const ClassWorlds& worlds, ExpansionRecorder* recorder,
                std::span<RayQuery> queries)
       : world_(world), worlds_(worlds), recorder_(recorder), queries_(queries) {}
 
-  // Instead of run(): rays that follow each other go nearly the same way.
-  void run_packets();
-
-  StreamRay* next(int lane) override;
+  void trace(bool are_neighbours);
   std::uint64_t acquired() const { return acquired_; }  // cells that were asked for, by all
 
  private:
@@ -58,6 +55,9 @@ class StreamedRays final : public RayStream {
     const Passage* passage_ = nullptr;
   };
 
+  StreamRay* next(int lane) override;
+  void trace_packet(std::span<RayQuery> alike);
+
   // While one goes by itself: what others have met stays, and what is expanded is counted for it.
   class Aside;
 
@@ -65,6 +65,7 @@ class StreamedRays final : public RayStream {
   const ClassWorlds& worlds_;
   ExpansionRecorder* const recorder_;
   const std::span<RayQuery> queries_;
+  std::vector<RayQuery*> alone_;  // that no packet has taken; the next
   std::size_t next_ = 0;
   std::uint64_t acquired_ = 0;
   std::array<Traveller, most_lanes> travellers_;

@@ -132,12 +132,6 @@ SurfacePatch::SurfacePatch(Tessellation tessellation, std::vector<SurfaceTree::N
 
 namespace {
 
-// Where on a tessellation a triangle stands, beside its corners.
-struct TriangleSource {
-  std::uint32_t origin, leaf;
-  int coarser;  // by so many refinements than the leaf's other faces may be
-};
-
 TriangleSource source_of(const Tessellation& t, const SurfaceTree::Triangle& triangle) {
   if (triangle.index != SurfaceTree::none) {
     const Tessellation::TriangleSource& source = t.triangle_sources[triangle.index];
@@ -163,15 +157,17 @@ void SurfacePatch::prefetch(const TreeHit& hit) const {
 }
 
 void SurfacePatch::surface_at(const TreeHit& met, SurfaceHit& hit) const {
-  const Tessellation& t = tessellation_;
   const SurfaceTree::Triangle triangle = tree_.triangle(met.triangle);
-  const auto& c = triangle.corners;
-  for (const std::uint32_t corner : c) __builtin_prefetch(&t.attributes[corner]);
-  const TriangleSource source = source_of(t, triangle);
+  for (const std::uint32_t corner : triangle.corners) __builtin_prefetch(&tessellation_.attributes[corner]);
+  meristem::surface_at(tessellation_, triangle.corners, met.u, met.v, source_of(tessellation_, triangle), hit);
+}
+
+void surface_at(const Tessellation& t, const std::array<std::uint32_t, 3>& c, float u, float v,
+                const TriangleSource& source, SurfaceHit& hit) {
   const Tessellation::Leaf& leaf = t.leaves[source.leaf];
   hit.level = leaf.level - source.coarser;
   hit.origin = t.origins[source.origin];  // first: it may have to come from memory
-  const Weights weights(met.u, met.v);
+  const Weights weights(u, v);
 
   const __m128 p0 = load(t.positions[c[0]]), p1 = load(t.positions[c[1]]), p2 = load(t.positions[c[2]]);
   const __m128 e1 = _mm_sub_ps(p1, p0), e2 = _mm_sub_ps(p2, p0);

@@ -6,6 +6,18 @@
 
 namespace meristem {
 
+// Where on a tessellation a triangle stands, beside its corners.
+struct TriangleSource {
+  std::uint32_t origin, leaf;
+  int coarser;  // by so many refinements than the leaf's other faces may be
+};
+
+// Everything about what was met but t and the object, in the frame of the tessellation; u and v are the weights of the
+// second and third corner. The position comes from the vertices; its error bound covers the rounding of the
+// interpolation.
+void surface_at(const Tessellation& tessellation, const std::array<std::uint32_t, 3>& corners, float u, float v,
+                const TriangleSource& source, SurfaceHit& hit);
+
 class SurfacePatch {
  public:
   explicit SurfacePatch(Tessellation tessellation, bool parallel = false);
@@ -26,8 +38,7 @@ class SurfacePatch {
   const SurfaceTree& tree() const { return tree_; }
   std::size_t bytes() const { return sizeof(*this) + tessellation_.bytes() + tree_.bytes(); }
 
-  // Everything about what was met but t and the object, in the frame of the tessellation. The position comes from the
-  // vertices; its error bound covers the rounding of the interpolation.
+  // As the function above.
   void surface_at(const TreeHit& met, SurfaceHit& hit) const;
   // Asks for the memory that surface_at() will need.
   void prefetch(const TreeHit& hit) const;

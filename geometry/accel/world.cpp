@@ -96,16 +96,13 @@ class World final : public Intersector {
     return query.tfar < 0;
   }
 
-  void trace(std::span<RayQuery> queries, bool are_alike) const override {
+  void trace(std::span<RayQuery> queries, bool are_neighbours) const override {
     const auto is_sound = [](const RayQuery& q) { return is_valid(*q.ray); };
     if (queries.size() < 2 || !has_passages_ || !std::ranges::all_of(queries, is_sound))
-      return Intersector::trace(queries, are_alike);
+      return Intersector::trace(queries, are_neighbours);
     const VisitIfEvicted visit(cache_);
     StreamedRays rays(*this, *worlds_, recorder_.get(), queries);
-    if (are_alike)
-      rays.run_packets();
-    else
-      rays.run();
+    rays.trace(are_neighbours);
     if (rays.acquired() > 0) cache_.count_acquired(rays.acquired());
   }
 

@@ -72,7 +72,7 @@ class PathBatch {
   std::vector<FirstSurface> first_;  // none: they are not wanted
   std::vector<Cost> costs_;          // nor these
   std::vector<std::size_t> alive_;
-  std::vector<ShadingPoint> points_;          // that each path's rays meet
+  std::vector<ShadingPoint> points_;                                 // that each path's rays meet
   std::array<std::vector<RayQuery>, PathStepper::most_rays> asked_;  // of the paths alive, in their order
   std::vector<RayQuery> traced_;
 };

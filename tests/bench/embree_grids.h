@@ -29,7 +29,7 @@ class EmbreeGrids {
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene_.get(), &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-    hit = surface(cells_[query.hit.geomID], query.hit);
+    set_surface(cells_[query.hit.geomID], query.hit, hit);
     hit.t = query.ray.tfar;
     return true;
   }
@@ -48,16 +48,18 @@ class EmbreeGrids {
   }
 
   // Embree's u, v run over the whole grid; each quad is two triangles, (00, 10, 01) and (11, 01, 10).
-  static SurfaceHit surface(const Tessellation& cell, const RTCHit& hit) {
-    const Tessellation::Grid& grid = cell.grids[hit.primID];
-    const float x = hit.u * float(grid.width - 1), y = hit.v * float(grid.height - 1);
+  static void set_surface(const Tessellation& cell, const RTCHit& met, SurfaceHit& hit) {
+    const Tessellation::Grid& grid = cell.grids[met.primID];
+    const float x = met.u * float(grid.width - 1), y = met.v * float(grid.height - 1);
     const auto i = std::uint32_t(std::clamp(int(x), 0, grid.width - 2)),
                j = std::uint32_t(std::clamp(int(y), 0, grid.height - 2));
     const float u = std::clamp(x - float(i), 0.0f, 1.0f), v = std::clamp(y - float(j), 0.0f, 1.0f);
     const std::uint32_t v00 = grid.first_vertex + j * grid.width + i, v10 = v00 + 1, v01 = v00 + grid.width;
     const TriangleSource source{grid.origin, grid.leaf, grid.coarser};
-    if (u + v <= 1) return surface_at(cell, {v00, v10, v01}, u, v, source);
-    return surface_at(cell, {v01 + 1, v01, v10}, 1 - u, 1 - v, source);
+    if (u + v <= 1)
+      surface_at(cell, {v00, v10, v01}, u, v, source, hit);
+    else
+      surface_at(cell, {v01 + 1, v01, v10}, 1 - u, 1 - v, source, hit);
   }
 
   std::vector<Tessellation> cells_;

@@ -93,28 +93,37 @@ TEST(World, LazyAndEagerGiveTheSameBitsForAnyThreadsAndBudget) {
   }
 }
 
+Ray any_ray(int i) { return ray_towards(Key(i)); }
+// A dozen are like those of a pixel.
+Ray ray_of_pixel(int i) {
+  Ray ray = ray_towards(Key(i / 12));
+  for (const int axis : {0, 1, 2})
+    (&ray.direction.x)[axis] += 0.01f * (uniform_float(hash_keys(Key(i), Key(axis))) - 0.5f) * length(ray.direction);
+  return ray;
+}
+
 // Of rays from `first` up to `last`, with what each finds. Any number of objects.
-std::vector<std::uint64_t> hits_of(const Intersector& world, int first, int last) {
+std::vector<std::uint64_t> hits_of(const Intersector& world, int first, int last, Ray (*ray_of)(int) = any_ray) {
   std::vector<std::uint64_t> hits;
   for (int i = first; i < last; ++i) {
     SurfaceHit hit;
-    const bool found = world.intersect(ray_towards(Key(i)), hit);
+    const bool found = world.intersect(ray_of(i), hit);
     hits.push_back(found ? hash_keys(bits_of(hit), Key(hit.object)) : 0);
-    EXPECT_EQ(world.occluded(ray_towards(Key(i))), found);
+    EXPECT_EQ(world.occluded(ray_of(i)), found);
   }
   return hits;
 }
 
 // The same of rays that are traced together, some dozens at once; every third only asks whether it meets anything.
-std::vector<std::uint64_t> hits_together(const Intersector& world, int first, int last) {
+std::vector<std::uint64_t> hits_together(const Intersector& world, int first, int last, Ray (*ray_of)(int) = any_ray) {
   std::vector<std::uint64_t> hits;
   for (int begin = first; begin < last; begin += 48) {
     std::vector<Ray> rays;
-    for (int i = begin; i < std::min(begin + 48, last); ++i) rays.push_back(ray_towards(Key(i)));
+    for (int i = begin; i < std::min(begin + 48, last); ++i) rays.push_back(ray_of(i));
     std::vector<SurfaceHit> of_rays(rays.size());
     std::vector<RayQuery> queries;
     for (std::size_t i = 0; i < rays.size(); ++i) queries.push_back({&rays[i], i % 3 == 0 ? nullptr : &of_rays[i]});
-    world.trace(queries);
+    world.trace(queries, ray_of == ray_of_pixel);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       if (queries[i].met && !queries[i].hit) world.intersect(rays[i], of_rays[i]);
       hits.push_back(queries[i].met ? hash_keys(bits_of(of_rays[i]), Key(of_rays[i].object)) : 0);
@@ -131,6 +140,7 @@ TEST(World, RaysMeetTheSameWhereItHasSettled) {
   for (int first : {0, 64, 512}) {  // more is expanded between, and beside what has settled
     EXPECT_EQ(hits_together(*settling, first, 1024), hits_of(*plain, first, 1024));
     EXPECT_EQ(hits_of(*settling, first, 1024), hits_of(*plain, first, 1024));
+    EXPECT_EQ(hits_together(*settling, first, 1024, ray_of_pixel), hits_of(*plain, first, 1024, ray_of_pixel));
     settling->settle();
     EXPECT_TRUE(settling->is_settled());
     EXPECT_GT(settling->statistics().total_bytes_peak, plain->statistics().total_bytes_peak) << "braids count";
@@ -175,7 +185,8 @@ TEST(World, WhatHasSettledStaysUntilItIsInTheWay) {
 TEST(World, RaysTracedTogetherHoldWhatTheyHaveMet) {
   mallopt(M_PERTURB, 0xa5);  // memory that is given back is overwritten
   const auto model = bumpy_model(shapes::prism(8), 6, 0.1, small_cells);
-  const std::vector<std::uint64_t> all = hits_of(*world_of(model, {}), 0, 512);
+  const std::vector<std::uint64_t> all = hits_of(*world_of(model, {}), 0, 512),
+                                   near = hits_of(*world_of(model, {}), 0, 512, ray_of_pixel);
   std::size_t of_one;
   {
     const auto world = world_of(model, {});
@@ -188,6 +199,7 @@ TEST(World, RaysTracedTogetherHoldWhatTheyHaveMet) {
     world->settle();
     EXPECT_TRUE(world->is_settled());
     EXPECT_EQ(hits_together(*world, 0, 512), all) << room;
+    EXPECT_EQ(hits_together(*world, 0, 512, ray_of_pixel), near) << room;
     EXPECT_GT(world->statistics().reexpanded, 100u);
   }
   mallopt(M_PERTURB, 0);

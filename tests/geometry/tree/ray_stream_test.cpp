@@ -36,7 +36,9 @@ void expect_as_alone(const Braid& braid, const Traveller& ray, Key k) {
   const Traveller fresh(k, {});
   Nearest alone(fresh.t_max);
   expect_met_as_alone(braid, ray, fresh, alone);
-  if (!fresh.any) ASSERT_EQ(ray.entered, alone.entered) << k;
+  if (!fresh.any) {
+    ASSERT_EQ(ray.entered, alone.entered) << k;
+  }
 }
 
 }  // namespace

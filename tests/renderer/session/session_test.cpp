@@ -304,7 +304,7 @@ class OneRay final : public FunctionIntegrator, public PathStepper {
     const State& s = *static_cast<const State*>(state);
     return {ray == 1 && s.waits ? RayRequest::Kind::Nearest : RayRequest::Kind::None, s.ray};
   }
-  void answer(void* state, int, bool, const SurfaceHit&, const PathTools&) const override {
+  void answer(void* state, int, bool, ShadingPoint&, const PathTools&) const override {
     static_cast<State*>(state)->waits = false;
   }
   Spectrum result(const void*) const override { return Spectrum(1); }
