@@ -55,6 +55,7 @@ StreamRay* StreamedRays::next(int lane) {
 }
 
 void StreamedRays::trace(bool are_neighbours) {
+  alone_.reserve(queries_.size());
   for (std::span<RayQuery> rest = queries_; !rest.empty();) {
     const std::span<RayQuery> group = are_neighbours ? alike(rest) : rest;
     if (are_neighbours && group.size() >= least_packet)

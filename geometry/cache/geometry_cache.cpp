@@ -1,7 +1,7 @@
 #include "geometry/cache/geometry_cache.h"
 
 #include "geometry/base/check.h"
-#include "geometry/base/freed_memory.h"
+#include "geometry/base/process_memory.h"
 #include "geometry/cache/expansion_recorder.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 //
 // A ray alone tests the eight boxes of a node together; a packet tests each box against its eight rays (Wald et al.
 // 2001, "Interactive Rendering with Coherent Ray Tracing"), so that a node and a triangle are loaded once. Rays of one
-// pixel take a third of the time; rays that have little in common take more, since each goes where any of them goes.
+// pixel take half of the time; rays that have little in common take more, since each goes where any of them goes.
 // What a ray meets does not depend on the rays beside it.
 #pragma once
 

@@ -83,7 +83,7 @@ inline void Stack::add_children(const SurfaceTree::Node& node, std::uint32_t ind
     std::size_t at = count++;
     for (; at > begin && t[at - 1] < entry[place]; --at) t[at] = t[at - 1], child[at] = child[at - 1];
     t[at] = entry[place];
-    child[at] = node.shape[place] == 0 ? node.first[place] : (8 * index + place) | is_end;
+    child[at] = child_at(node, index, place);
   }
 }
 #endif

@@ -1,6 +1,7 @@
 #include "renderer/cli/render_command.h"
 
 #include "geometry/base/parallel.h"
+#include "geometry/base/process_memory.h"
 #include "renderer/cli/console.h"
 #include "renderer/cli/film_identity.h"
 #include "renderer/cli/render_metadata.h"
@@ -142,7 +143,7 @@ class ImageRender {
     result.progress = [this, &display](const RenderProgress& progress) {
       if (outputs_.needs_image_module()) image_module_.want();
       display.update(progress);
-      memory_.add({process_age_s(), resident_bytes()});
+      memory_.add({process_age_s(), resident_set_bytes()});
     };
     result.snapshot_due = [this] { return snapshot_is_due(); };
     result.snapshot = [this] { take_snapshot(); };

@@ -56,6 +56,4 @@ double process_age_s() { return boot_clock_s() - started_s; }
 
 std::uint64_t peak_resident_bytes() { return status_bytes("VmHWM:"); }
 
-std::uint64_t resident_bytes() { return status_bytes("VmRSS:"); }
-
 }  // namespace meristem

@@ -12,7 +12,5 @@ double process_age_s();
 
 // The most memory that was ever resident (VmHWM), in bytes; 0 if unknown.
 std::uint64_t peak_resident_bytes();
-// That is resident now; 0 if unknown.
-std::uint64_t resident_bytes();
 
 }  // namespace meristem

@@ -5,7 +5,7 @@
 //   bench_expansion [RUNS] [FACES OF A LEAF] [SIDE OF THE BASE MESH]
 #include "geometry/base/huge_pages.h"
 #include "geometry/base/parallel.h"
-#include "tests/bench/process_memory.h"
+#include "geometry/base/process_memory.h"
 #include "tests/bench/terrain.h"
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 //   prlimit --as=2147483648 bench_memory [EVICTIONS] [BUDGET_MIB] [THREADS] [LEAF_FACES]
 #include "geometry/base/huge_pages.h"
 #include "geometry/base/parallel.h"
-#include "tests/bench/process_memory.h"
+#include "geometry/base/process_memory.h"
 #include "tests/bench/terrain.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "geometry/base/freed_memory.h"
+#include "geometry/base/process_memory.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 namespace meristem {
 namespace {
 
-TEST(FreedMemory, TheResidentSetGrowsWithWhatIsTouched) {
+TEST(ProcessMemory, TheResidentSetGrowsWithWhatIsTouched) {
   constexpr std::size_t bytes = std::size_t(64) << 20;
   const std::size_t before = resident_set_bytes();
   EXPECT_GT(before, 0u);

@@ -1,4 +1,4 @@
-#include "geometry/base/freed_memory.h"
+#include "geometry/base/process_memory.h"
 
 #include <fstream>
 
