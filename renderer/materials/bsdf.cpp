@@ -2,6 +2,7 @@
 
 #include "renderer/materials/ggx.h"
 #include "renderer/materials/ggx_albedo.h"
+#include "renderer/materials/glass_albedo.h"
 
 namespace meristem {
 namespace {
@@ -146,7 +147,7 @@ Spectrum Bsdf::diffuse_reflectance(Vec3f wo, Vec3f wi) const {
 // What is lost between microfacets of glass, given back as in Turquin 2019.
 float Bsdf::glass_gain(float cos_o) const {
   if (thin_walled) return 1 / ggx::Albedo::white(alpha).at(cos_o);
-  return 1 / ggx::glass_albedo(cos_o, alpha, std::max(ggx::eta_of(f0), 1.01f), inside_);
+  return 1 / ggx::glass_albedo(cos_o, alpha, eta());
 }
 
 // Both directions on the side of wo: the BRDF.

@@ -30,8 +30,4 @@ class Albedo {
   float by_alpha_ = 0, by_f0_ = 0;                            // and how far between the two of each
 };
 
-// What a microfacet surface of glass with index eta in [1, 4] reflects and refracts together, for light that arrives
-// from outside, or from `inside` the glass. From a table of its own.
-float glass_albedo(float c, float alpha, float eta, bool inside);
-
 }  // namespace meristem::ggx
