@@ -17,6 +17,8 @@ namespace {
 
 constexpr double report_interval_s = 0.1;
 
+constexpr int sparse_step = 4;  // pixels, in x and y
+
 PixelWindow visible_window(const RenderSettings& settings, const std::optional<PixelWindow>& crop) {
   const PixelWindow frame{0, 0, settings.width, settings.height};
   return crop ? crop->intersected(frame) : frame;
@@ -40,6 +42,7 @@ RayOrder possible_order(const Scene& scene) {
 struct RenderSession::Worker {
   int thread;
   std::uint32_t pass_end;
+  int step;  // between its pixels
   std::unique_ptr<Sampler> sampler;
   RayCounts rays;
   ThreadExpansions watched;        // those before the cells that are watched now
@@ -138,18 +141,24 @@ void RenderSession::run_queues(std::uint32_t end, std::vector<RayCounts>& rays) 
                      rays);
 }
 
+// Where nothing has settled yet, few pixels far apart expand most of what all will meet. That settles, and what the
+// others expand is little.
 void RenderSession::run_tiles(std::uint32_t end, std::vector<RayCounts>& rays) {
   do {
     scene_.intersector->settle();
-    trace_tiles(end, rays);
+    if (pass_number_ == 1 && !scene_.intersector->is_settled()) {
+      trace_tiles(end, sparse_step, rays);
+      if (!stopped()) scene_.intersector->settle();
+    }
+    if (!stopped()) trace_tiles(end, 1, rays);
   } while (crowded_.exchange(false) && !stopped());
 }
 
-void RenderSession::trace_tiles(std::uint32_t end, std::vector<RayCounts>& rays) {
+void RenderSession::trace_tiles(std::uint32_t end, int step, std::vector<RayCounts>& rays) {
   next_tile_ = 0;
   const bool together = scene_.integrator->stepper() && scene_.intersector->is_settled();
   run_threads(threads_, [&](int thread) {
-    Worker worker{thread, end, scene_.sampler->clone(), {}, scene_.intersector->thread_expansions(), {}};
+    Worker worker{thread, end, step, scene_.sampler->clone(), {}, scene_.intersector->thread_expansions(), {}};
     if (together) worker.batch.emplace(scene_, camera_, path_wants());
     try {
       for (std::size_t i = next_tile_++; i < tiles_.size() && !stopped(); i = next_tile_++)
@@ -173,8 +182,9 @@ bool RenderSession::goes_on_to_queues(Worker& worker) const {
 }
 
 void RenderSession::render_tile(Worker& worker, const PixelWindow& tile) {
-  for (int y = tile.y0; y < tile.y1; ++y)
-    for (int x = tile.x0; x < tile.x1; ++x) {
+  const auto first = [&](int from) { return (from + worker.step - 1) / worker.step * worker.step; };
+  for (int y = first(tile.y0); y < tile.y1; y += worker.step)
+    for (int x = first(tile.x0); x < tile.x1; x += worker.step) {
       if (stopped()) return;
       if (!is_finished(x, y)) worker.batch ? add_pixel(worker, x, y) : render_pixel(worker, x, y);
       if (order_ == RayOrder::Auto && goes_on_to_queues(worker)) thrashes_ = true;

@@ -92,7 +92,8 @@ class RenderSession {
   PathWants path_wants() const { return {film_.wants_first_surface(), film_.wants_costs()}; }
   void run_pass(std::uint32_t end, std::vector<RayCounts>& rays);
   void run_tiles(std::uint32_t end, std::vector<RayCounts>& rays);
-  void trace_tiles(std::uint32_t end, std::vector<RayCounts>& rays);
+  // Every `step`-th pixel in x and y.
+  void trace_tiles(std::uint32_t end, int step, std::vector<RayCounts>& rays);
   void run_queues(std::uint32_t end, std::vector<RayCounts>& rays);
   bool goes_on_to_queues(Worker& worker) const;
   void note_added(std::uint32_t samples);

@@ -291,6 +291,34 @@ TEST(RenderSession, ACrowdedWorldSettlesAnewAndNothingIsLost) {
   EXPECT_EQ(session.film().develop().pixels, whole.film().develop().pixels);
 }
 
+// Few pixels expand most of what there is; that settles before the others are traced. What has settled needs none.
+TEST(RenderSession, FewPixelsComeFirstWhereNothingHasSettled) {
+  class SettlingWorld final : public EmptyWorld {
+   public:
+    SettlingWorld(bool is_full, std::function<void()> on_settle)
+        : is_full_(is_full), on_settle_(std::move(on_settle)) {}
+    void settle() override { on_settle_(); }
+    bool is_settled() const override { return is_full_; }
+
+   private:
+    bool is_full_;
+    std::function<void()> on_settle_;
+  };
+  for (const bool is_full : {false, true}) {
+    std::atomic<int> taken = 0;
+    std::vector<int> taken_before;
+    const auto scene = fake_scene(40, 30, 4, [&](const Ray& ray, Sampler& sampler, RayCounts& counts) {
+      ++taken;
+      return noisy_light(ray, sampler, counts);
+    });
+    scene->intersector = std::make_unique<SettlingWorld>(is_full, [&] { taken_before.push_back(taken); });
+    RenderSession(*scene, {.threads = 2}).render();
+    const int all = 40 * 30, few = 10 * 8;
+    EXPECT_EQ(taken, 4 * all);
+    EXPECT_EQ(taken_before, is_full ? (std::vector{0, all}) : (std::vector{0, few, all}));
+  }
+}
+
 // A path of one ray to the camera's, which its state is.
 class OneRay final : public FunctionIntegrator, public PathStepper {
  public:
