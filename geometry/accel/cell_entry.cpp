@@ -57,10 +57,22 @@ CellEntry::CellEntry(std::unique_ptr<SurfacePatch> patch, Key key)
 }
 
 CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner, std::shared_ptr<KnownChildren> known)
-    : root_(&root), inner_(std::move(inner)), slots_(std::make_unique<CacheSlot[]>(inner_->child_count())) {
-  for (const Bounds3f& b : inner_->child_bounds) real_bounds_.extend(b);
-  proxies_ = std::make_unique<ProxyScene>(inner_->child_bounds, contents(), std::move(known));
-  bytes = with_gaps(proxies_->bytes() + inner_->bytes() + inner_->child_count() * sizeof(CacheSlot) + sizeof(*this));
+    : root_(&root), inner_(std::move(inner)) {
+  set_children(inner_->child_bounds, std::move(known));
+  bytes = with_gaps(proxies_->bytes() + inner_->bytes() + child_count_ * sizeof(CacheSlot) + sizeof(*this));
+}
+
+CellEntry::CellEntry(const LazyRoot& root, Grove grove) : root_(&root), grove_(std::move(grove)) {
+  const std::vector<Bounds3f>& bounds = grove_->bounds();
+  set_children(bounds, std::make_shared<KnownChildren>(bounds.size()));
+  bytes = with_gaps(proxies_->bytes() + grove_->bytes() + child_count_ * sizeof(CacheSlot) + sizeof(*this));
+}
+
+void CellEntry::set_children(std::span<const Bounds3f> bounds, std::shared_ptr<KnownChildren> known) {
+  child_count_ = bounds.size();
+  slots_ = std::make_unique<CacheSlot[]>(child_count_);
+  for (const Bounds3f& b : bounds) real_bounds_.extend(b);
+  proxies_ = std::make_unique<ProxyScene>(bounds, contents(), std::move(known));
   label.tree_bytes = proxies_->bytes();
 }
 
@@ -100,6 +112,8 @@ std::vector<Bounds3f> CellEntry::boxes() const {
     for (const SurfaceTree::Part& p : patch_->tree().parts(Outline::most_boxes)) boxes.push_back(p.box);
   else if (inner_)
     boxes = inner_->child_bounds;
+  else if (grove_)
+    boxes = grove_->bounds();
   else
     boxes = instances_->few_boxes();
   if (boxes.size() > Outline::most_boxes) boxes.clear();

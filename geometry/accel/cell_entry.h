@@ -1,6 +1,7 @@
 // CellEntry: a cell as long as it is resident. The work on it is done by the root that it belongs to.
 #pragma once
 
+#include "geometry/accel/grove.h"
 #include "geometry/accel/instances.h"
 #include "geometry/accel/leaf_store.h"
 #include "geometry/accel/proxy_scene.h"
@@ -13,11 +14,13 @@ namespace meristem {
 
 class LazyRoot;
 
-// A resident cell: a surface patch, child cells behind a scene of their bounds, or placed parts.
+// A resident cell: a surface patch, child cells behind a scene of their bounds, or placed parts. What stands on a cell
+// of ground may be child cells as well: a grove.
 class CellEntry : public CacheEntry {
  public:
   CellEntry(std::unique_ptr<SurfacePatch> patch, Key key);
   CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner, std::shared_ptr<KnownChildren> known);
+  CellEntry(const LazyRoot& root, Grove grove);
   CellEntry() = default;
   // What is placed may name the entry as its owner, so it comes in afterwards.
   void set_instances(std::unique_ptr<Instances> instances);
@@ -36,9 +39,12 @@ class CellEntry : public CacheEntry {
 
   const LazyRoot& root() const { return *root_; }
   const SurfacePatch* patch() const { return patch_.get(); }
-  const InnerCell* inner() const { return inner_.get(); }
+  const InnerCell* inner() const { return inner_.get(); }  // null: not split, or a grove
+  const Grove* grove() const { return grove_ ? &*grove_ : nullptr; }
+  std::size_t child_count() const { return child_count_; }
   const Instances* instances() const { return instances_.get(); }
   CacheSlot& slot(std::size_t child) { return slots_[child]; }
+  bool has_proxies() const { return proxies_ != nullptr; }
   ProxyScene& proxies() { return *proxies_; }
   // What stands in the boxes of its children, by their numbers.
   BoxContents contents();
@@ -48,11 +54,15 @@ class CellEntry : public CacheEntry {
   std::vector<Bounds3f> boxes() const;
 
  private:
+  void set_children(std::span<const Bounds3f> bounds, std::shared_ptr<KnownChildren> known);
+
   std::unique_ptr<SurfacePatch> patch_;
   Key key_ = 0;
   Bounds3f real_bounds_;
   const LazyRoot* root_ = nullptr;
   std::unique_ptr<InnerCell> inner_;
+  std::optional<Grove> grove_;
+  std::size_t child_count_ = 0;
   std::unique_ptr<CacheSlot[]> slots_;
   std::unique_ptr<ProxyScene> proxies_;
   std::unique_ptr<Instances> instances_;

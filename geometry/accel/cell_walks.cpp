@@ -18,11 +18,11 @@ struct Strands {
   std::vector<const ModelRoot*>& roots;  // that stand in instances
 
   void add(CellEntry& cell) {
-    for (std::uint32_t i = 0; i < cell.inner()->child_count(); ++i) {
+    for (std::uint32_t i = 0; i < cell.child_count(); ++i) {
       CellEntry* const child = cell.root().found(cell.slot(i));
       if (child && child->patch()) {
         surfaces.push_back({child->patch(), cell.inner()->child_keys[i]});
-      } else if (child && child->inner()) {
+      } else if (child && child->has_proxies()) {
         add(*child);
       } else {
         others.push_back({cell.proxies().bounds(i), cell.contents(), i});
@@ -50,11 +50,12 @@ class ChainMeasure {
     std::size_t most = 0;
     if (cell.instances())
       for (const ModelRoot* root : cell.instances()->roots()) most = std::max(most, largest_below(*root));
-    if (cell.inner())
+    if (cell.has_proxies())
       if (CellEntry* child = cell.root().child(cell, largest_child(cell))) most = below(*child);
     return cell.bytes + most;
   }
   static std::size_t largest_child(const CellEntry& cell) {
+    if (const Grove* grove = cell.grove()) return largest_group(*grove);
     const InnerCell& inner = *cell.inner();
     const CellMesh whole = inner.whole();
     std::size_t largest = 0;
@@ -67,6 +68,13 @@ class ChainMeasure {
     return largest;
   }
 
+  static std::size_t largest_group(const Grove& grove) {
+    std::size_t largest = 0;
+    for (std::size_t i = 1; i < grove.bounds().size(); ++i)
+      if (grove.most_in(i) > grove.most_in(largest)) largest = i;
+    return largest;
+  }
+
   std::set<const Part*> seen_;
 };
 
@@ -76,7 +84,7 @@ std::size_t LazyRoot::braid(std::vector<const ModelRoot*>& below) const {
   CellEntry* const cell = found(slot_);
   if (!cell || cell->patch()) return 0;
   Strands strands{{}, {}, below};
-  if (!cell->inner()) {
+  if (!cell->has_proxies()) {
     strands.add_roots(*cell);
     return 0;
   }
@@ -109,7 +117,7 @@ void expand_everything(std::vector<const ModelRoot*> roots, int threads) {
     generation.clear();
     for (CellEntry* cell : cells) {
       if (!cell) continue;
-      for (std::size_t i = 0; cell->inner() && i < cell->inner()->child_count(); ++i)
+      for (std::size_t i = 0; i < cell->child_count(); ++i)
         generation.push_back([cell, i] { return cell->root().child(*cell, i); });
       if (cell->instances())
         for (const ModelRoot* root : cell->instances()->roots()) add_root(root);

@@ -99,8 +99,8 @@ void Instance::occluded(RayContext& context, RTCRay& ray) const {
 }
 
 Instances::Instances(std::vector<Instance> instances, std::span<const Bounds3f> bounds,
-                     std::vector<std::unique_ptr<ModelRoot>> owned, bool are_objects)
-    : instances_(std::move(instances)), owned_(std::move(owned)), are_objects_(are_objects) {
+                     std::vector<std::unique_ptr<ModelRoot>> owned, bool are_objects, std::uint32_t first)
+    : instances_(std::move(instances)), owned_(std::move(owned)), are_objects_(are_objects), first_(first) {
   bytes_ = sizeof(*this) + instances_.capacity() * sizeof(Instance);
   for (const auto& root : owned_) bytes_ += root->bytes() + sizeof(root);
   for (const Instance& i : instances_) bytes_ += i.bytes_beside();

@@ -80,9 +80,10 @@ class Instance::Visit {
 class Instances {
  public:
   // `bounds`: of each, in the frame in which they stand. Builds on the calling thread; call inside run_isolated().
-  // `owned`: roots of which nobody else takes care. `are_objects`: of the world.
+  // `owned`: roots of which nobody else takes care. `are_objects`: of the world. `first`: the number of the first among
+  // all that stand in the same cell.
   Instances(std::vector<Instance> instances, std::span<const Bounds3f> bounds,
-            std::vector<std::unique_ptr<ModelRoot>> owned, bool are_objects);
+            std::vector<std::unique_ptr<ModelRoot>> owned, bool are_objects, std::uint32_t first);
   Instances(const Instances&) = delete;  // its scene holds on to it
   Instances& operator=(const Instances&) = delete;
 
@@ -93,7 +94,9 @@ class Instances {
   // Those that the ray enters, the nearest first, if there are few in all; nothing: there are many.
   std::optional<std::size_t> entered(const TreeRay& ray, float t_min, float t_max, FewBoxes::List& list) const;
   const Instance& instance(std::uint32_t index) const { return instances_[index]; }
-  Instance::Place place_of(std::uint32_t index) const { return {Key(index) + 1, are_objects_ ? int(index) : -1}; }
+  Instance::Place place_of(std::uint32_t index) const {
+    return {Key(first_) + index + 1, are_objects_ ? int(index) : -1};
+  }
   const Bounds3f& bounds() const { return bounds_; }
   std::vector<Bounds3f> few_boxes() const;  // of each, if they are few
   bool empty() const { return instances_.empty(); }
@@ -108,6 +111,7 @@ class Instances {
   std::vector<std::unique_ptr<ModelRoot>> owned_;
   Bounds3f bounds_;
   const bool are_objects_;
+  const std::uint32_t first_;
   std::optional<BoxScene> scene_;  // none: there is one instance at most
   std::size_t bytes_ = 0;
 };

@@ -44,7 +44,6 @@ LazyRoot::LazyRoot(RootSource source, Roots& roots, GeometryCache& cache, Expans
       cache_(cache),
       counts_(counts),
       store_(scratch ? std::make_shared<LeafStore>(*scratch) : nullptr),
-      reach_(source_.part->placer ? source_.part->placer->reach() : Bounds3f{}),
       name_(hash_keys(identity(), std::bit_cast<std::uintptr_t>(source_.part.get()))),
       number_(roots.known().new_root()) {}
 
@@ -96,7 +95,7 @@ CellEntry* LazyRoot::entered_child(CellEntry& parent, std::size_t index, RayCont
     cell.is_exact = true;
     if (!enters(cell.entry, ray.tfar)) return nullptr;
   }
-  cell.name = child_name(*parent.inner(), index);
+  cell.name = child_name(parent, index);
   note(slot, cell, ray, *context.search);
   return nullptr;
 }
@@ -109,7 +108,7 @@ CellEntry* LazyRoot::resident(CacheSlot& slot, RayContext& context) const {
 
 bool LazyRoot::note_child_anew(CellEntry& parent, std::size_t index, float entry, const RTCRay& ray,
                                RayContext::Search& search) const {
-  return note_anew(parent.proxies().knows(index), child_name(*parent.inner(), index), entry, ray, search);
+  return note_anew(parent.proxies().knows(index), child_name(parent, index), entry, ray, search);
 }
 
 // Never throws: a cell that cannot be expanded becomes its box, once, counted and reported.
@@ -117,6 +116,17 @@ template <class Cut>
 std::unique_ptr<CacheEntry> LazyRoot::make_entry(const Cut& cut, int level, const Bounds3f& bounds, Key key) const {
   try {
     const double start_s = counts_.now_s();
+    if (source_.part->placer) {
+      bool is_new = false;
+      const auto ground = expanded_ground(cut, level, key, is_new);
+      const double built_from_s = counts_.now_s();
+      auto entry = ground_entry(ground->expansion, bounds, key, level);
+      const Expansion nothing;  // was done if it is known
+      counts_.add({model(), level, hash_keys(key, identity()), ground->symbol, is_new ? ground->expansion : nothing,
+                   start_s, built_from_s, bounds, static_cast<const CellEntry&>(*entry).real_bounds()},
+                  *entry);
+      return entry;
+    }
     CellMesh mesh = cut();
     const std::int32_t symbol = mesh.mesh.origins[mesh.mesh.face_origins[0]].symbol;
     Expansion expansion = expand(model(), std::move(mesh), level);
@@ -150,18 +160,33 @@ CellEntry* LazyRoot::root(const RayUse& use) const {
 
 CellEntry* LazyRoot::child(CellEntry& parent, std::size_t index, const RayUse& use) const {
   return static_cast<CellEntry*>(cache_.acquire(parent.slot(index), &parent, use, [this, &parent, index] {
-    const InnerCell& inner = *parent.inner();
-    std::unique_ptr<CacheEntry> entry = kept_surface(child_name(inner, index), inner.child_keys[index]);
-    if (!entry)
-      entry = make_entry([&] { return child_cell(model(), inner, index); }, inner.level, inner.child_bounds[index],
-                         inner.child_keys[index]);
-    entry->name = child_name(inner, index);
+    std::unique_ptr<CacheEntry> entry = make_child_entry(parent, index);
+    entry->name = child_name(parent, index);
     if (!parent.proxies().knows(index)) {  // for good, whatever becomes of the child
       const auto& cell = static_cast<const CellEntry&>(*entry);
       parent.proxies().tighten(index, cell.real_bounds(), cell.boxes());
     }
     return entry;
   }));
+}
+
+Key LazyRoot::child_name(const CellEntry& parent, std::size_t index) const {
+  const InnerCell* inner = parent.inner();
+  return inner ? hash_keys(name_, inner->child_keys[index], Key(inner->level)) : hash_keys(parent.name, Key(index));
+}
+
+std::unique_ptr<CacheEntry> LazyRoot::make_child_entry(const CellEntry& parent, std::size_t index) const {
+  if (const Grove* grove = parent.grove()) return make_group_entry(*grove, index);
+  const InnerCell& inner = *parent.inner();
+  if (auto entry = kept_surface(child_name(parent, index), inner.child_keys[index])) return entry;
+  return make_entry([&] { return child_cell(model(), inner, index); }, inner.level, inner.child_bounds[index],
+                    inner.child_keys[index]);
+}
+
+std::unique_ptr<CacheEntry> LazyRoot::make_group_entry(const Grove& grove, std::size_t group) const {
+  auto entry = placed(grove.placements(group), grove.first_number(group));
+  check_bounds(grove.bounds()[group], entry->real_bounds());
+  return entry;
 }
 
 // A cell that was a surface when it was evicted; nullptr if it has to be expanded.
@@ -186,29 +211,70 @@ std::unique_ptr<CellEntry> LazyRoot::surface_entry(std::unique_ptr<SurfacePatch>
 }
 
 std::unique_ptr<CacheEntry> LazyRoot::entry_of(Expansion& expansion, const Bounds3f& bounds, Key key, int level) const {
-  if (expansion.inner) {
-    for (Bounds3f& b : expansion.inner->child_bounds) b = bounds_with_reach(b, reach_);
-    auto known = roots_.known().of(hash_keys(number_, key, Key(level)), expansion.inner->child_count());
-    std::unique_ptr<CacheEntry> entry;
-    run_isolated([&] { entry = std::make_unique<CellEntry>(*this, std::move(expansion.inner), std::move(known)); });
-    return entry;
-  }
-  if (source_.part->placer) {
-    std::vector<Placement> placements;
-    source_.part->placer->place(expansion.mesh, source_.individual, placements);
-    auto entry = placed(placements);
-    check_bounds(bounds, entry->real_bounds());
-    return entry;
-  }
+  if (expansion.inner) return split_entry(std::move(expansion.inner), key, level);
   auto entry = surface_entry(std::make_unique<SurfacePatch>(std::move(*expansion.leaf)), key);
   check_bounds(bounds, entry->real_bounds());
   return entry;
 }
 
-std::unique_ptr<CellEntry> LazyRoot::placed(const std::vector<Placement>& placements) const {
+std::unique_ptr<CacheEntry> LazyRoot::split_entry(std::unique_ptr<InnerCell> inner, Key key, int level) const {
+  auto known = roots_.known().of(hash_keys(number_, key, Key(level)), inner->child_count());
+  std::unique_ptr<CacheEntry> entry;
+  run_isolated([&] { entry = std::make_unique<CellEntry>(*this, std::move(inner), std::move(known)); });
+  return entry;
+}
+
+// Of the cell of ground that `cut` cuts out, as any root that has this model for its ground expands it; whether it has
+// just been.
+template <class Cut>
+std::shared_ptr<const ExpandedGround> LazyRoot::expanded_ground(const Cut& cut, int level, Key key,
+                                                                bool& is_new) const {
+  const ShapeName name{hash_keys(key, Key(level), source_.individual), std::bit_cast<std::uintptr_t>(&model())};
+  return roots_.grounds().get(name, [&] {
+    is_new = true;
+    CellMesh mesh = cut();
+    const std::int32_t symbol = mesh.mesh.origins[mesh.mesh.face_origins[0]].symbol;
+    return std::make_shared<const ExpandedGround>(ExpandedGround{expand(model(), std::move(mesh), level), symbol});
+  });
+}
+
+std::unique_ptr<CacheEntry> LazyRoot::ground_entry(const Expansion& expansion, const Bounds3f& bounds, Key key,
+                                                   int level) const {
+  if (expansion.inner) {
+    auto inner = std::make_unique<InnerCell>(*expansion.inner);
+    for (Bounds3f& b : inner->child_bounds) b = furnished_bounds(b);
+    return split_entry(std::move(inner), key, level);
+  }
+  auto entry = furnished(expansion.mesh);
+  check_bounds(bounds, entry->real_bounds());
+  return entry;
+}
+
+// Of what stands on ground in that box; empty: nothing does.
+Bounds3f LazyRoot::furnished_bounds(const Bounds3f& ground) const {
+  const Placer& placer = *source_.part->placer;
+  if (placer.leaves_bare(ground)) return {};
+  return bounds_with_reach(ground, placer.reach_on(ground, source_.footprint.get(), source_.individual)->all);
+}
+
+std::unique_ptr<CellEntry> LazyRoot::furnished(const CellMesh& ground) const {
+  const Placer& placer = *source_.part->placer;
+  auto furnishing = placer.furnish(ground, source_.individual);
+  if (!Grove::is_worthwhile(*furnishing)) {
+    std::vector<Placement> placements;
+    furnishing->place(0, furnishing->face_count(), placements);
+    return placed(placements);
+  }
+  const auto reach = placer.reach_on(furnishing->ground_bounds(), source_.footprint.get(), source_.individual);
+  std::unique_ptr<CellEntry> entry;
+  run_isolated([&] { entry = std::make_unique<CellEntry>(*this, Grove(std::move(furnishing), *reach)); });
+  return entry;
+}
+
+std::unique_ptr<CellEntry> LazyRoot::placed(const std::vector<Placement>& placements, std::uint32_t first) const {
   auto entry = std::make_unique<CellEntry>();
   run_isolated([&] {
-    entry->set_instances(roots_.place(placements, source_.footprint, entry.get(), source_.individual, false));
+    entry->set_instances(roots_.place(placements, source_.footprint, entry.get(), source_.individual, false, first));
   });
   return entry;
 }

@@ -44,17 +44,24 @@ class LazyRoot final : public ModelRoot {
   const Footprint* ground_footprint() const { return source_.part->placer ? nullptr : source_.footprint.get(); }
   // What tells its cells from those of other roots of the model.
   Key identity() const;
-  Key child_name(const InnerCell& inner, std::size_t index) const {
-    return hash_keys(name_, inner.child_keys[index], Key(inner.level));
-  }
+  Key child_name(const CellEntry& parent, std::size_t index) const;
 
   std::unique_ptr<CacheEntry> make_root_entry() const;
   template <class Cut>
   std::unique_ptr<CacheEntry> make_entry(const Cut& cut, int level, const Bounds3f& bounds, Key key) const;
+  template <class Cut>
+  std::shared_ptr<const ExpandedGround> expanded_ground(const Cut& cut, int level, Key key, bool& is_new) const;
+  std::unique_ptr<CacheEntry> ground_entry(const Expansion& expansion, const Bounds3f& bounds, Key key,
+                                           int level) const;
+  std::unique_ptr<CacheEntry> split_entry(std::unique_ptr<InnerCell> inner, Key key, int level) const;
   std::unique_ptr<CacheEntry> entry_of(Expansion& expansion, const Bounds3f& bounds, Key key, int level) const;
   std::unique_ptr<CacheEntry> kept_surface(Key name, Key key) const;
   std::unique_ptr<CellEntry> surface_entry(std::unique_ptr<SurfacePatch> patch, Key key) const;
-  std::unique_ptr<CellEntry> placed(const std::vector<Placement>& placements) const;
+  std::unique_ptr<CacheEntry> make_child_entry(const CellEntry& parent, std::size_t index) const;
+  std::unique_ptr<CacheEntry> make_group_entry(const Grove& grove, std::size_t group) const;
+  Bounds3f furnished_bounds(const Bounds3f& ground) const;
+  std::unique_ptr<CellEntry> furnished(const CellMesh& ground) const;
+  std::unique_ptr<CellEntry> placed(const std::vector<Placement>& placements, std::uint32_t first = 0) const;
   void check_bounds(const Bounds3f& bounds, const Bounds3f& real) const;
 
   const RootSource source_;
@@ -62,7 +69,6 @@ class LazyRoot final : public ModelRoot {
   GeometryCache& cache_;
   ExpansionCounts& counts_;
   const std::shared_ptr<LeafStore> store_;  // null: none
-  const Bounds3f reach_;                    // of what stands on it; empty: it is shown itself
   const Key name_;                          // of its root cell, for rays that wait
   const Key number_;                        // among those that know their cells
   mutable CacheSlot slot_;

@@ -4,13 +4,27 @@
 #include "geometry/accel/instances.h"
 #include "geometry/accel/known_cells.h"
 #include "geometry/accel/world.h"
+#include "geometry/mesh/plan_table.h"
 
+#include <array>
 #include <atomic>
-#include <map>
+#include <deque>
 #include <mutex>
-#include <tuple>
 
 namespace meristem {
+
+// What a cell of ground expands to, before anything is placed on it.
+struct ExpandedGround {
+  Expansion expansion;
+  std::int32_t symbol;  // of its first face
+
+  std::size_t bytes() const {
+    return sizeof(*this) + expansion.mesh.mesh.bytes() + (expansion.inner ? expansion.inner->bytes() : 0);
+  }
+};
+
+// The whole of a wide ground takes some megabytes.
+using GroundTable = PlanTable<ExpandedGround, std::size_t(16) << 20>;
 
 class Roots {
  public:
@@ -21,17 +35,23 @@ class Roots {
         cache_(cache),
         counts_(counts),
         scratch_(scratch),
-        known_(most_known_bytes(cache)) {}
+        known_(most_known_bytes(cache)) {
+    constexpr std::size_t share = 16;
+    grounds_.set_capacity(cache.budget_bytes() / share);
+  }
 
   // Places parts in a frame whose footprint is given (null: everything in full). `parent`: the cache entry that will
-  // own them. Any thread; expands nothing but in flat mode.
+  // own them. `are_objects`, `first`: as for Instances. Any thread; expands nothing but in flat mode.
   std::unique_ptr<Instances> place(const std::vector<Placement>& placements,
                                    const std::shared_ptr<const Footprint>& footprint, CacheEntry* parent,
-                                   Key individual, bool are_objects);
+                                   Key individual, bool are_objects, std::uint32_t first = 0);
   // Of cells of all roots, after they were evicted.
   KnownCells& known() { return known_; }
-  // Of the roots that are shared, nothing expanded, and of what is known.
-  std::size_t bytes() const { return bytes_.load(std::memory_order_relaxed) + known_.bytes(); }
+  // Cells of ground that were expanded of late. What stands on one ground is placed by several placers and for several
+  // classes of rays, which come to the same place soon after each other.
+  GroundTable& grounds() { return grounds_; }
+  // Of the roots that are shared, nothing expanded, of what is known, and of grounds.
+  std::size_t bytes() const { return bytes_.load(std::memory_order_relaxed) + known_.bytes() + grounds_.bytes(); }
 
  private:
   // What Instances own beside those that are shared.
@@ -43,18 +63,33 @@ class Roots {
   std::unique_ptr<ModelRoot> make(RootSource source);
   const ModelRoot& root_of(const Placement& shown, std::shared_ptr<const Footprint> seen_as, Key individual, Key moment,
                            Owner& owner);
+  const ModelRoot* shared_root_of(const Placement& placed, const Footprint::Range& footprint, bool fades,
+                                  Key individual);
   const ModelRoot& shared(RootSource source);
+  const ModelRoot* find_shared(const Part* part, Key individual, double size) const;
 
   const ExpandMode mode_;
   const int threads_;
   GeometryCache& cache_;
   ExpansionCounts& counts_;
   ScratchFile* const scratch_;
+  // A root that is shared, by part, individual and, where the footprint is constant, its size.
+  struct Shared {
+    const Part* part;
+    Key individual;
+    double size;
+    std::unique_ptr<ModelRoot> root;
+    const Shared* next;  // of its bucket
+  };
+  static std::size_t bucket(const Part* part, Key individual, double size);
+  static constexpr std::size_t buckets = 1 << 12;
+
   std::mutex mutex_;
-  // By part, individual and, where the footprint is constant, its size.
-  std::map<std::tuple<const Part*, Key, double>, std::unique_ptr<ModelRoot>> shared_;
+  std::deque<Shared> shared_;                                    // guarded by mutex_
+  std::array<std::atomic<const Shared*>, buckets> by_bucket_{};  // read without; each placement asks once
   std::atomic<std::size_t> bytes_{0};
   KnownCells known_;
+  GroundTable grounds_;
 };
 
 }  // namespace meristem

@@ -63,6 +63,7 @@ class Expander {
     is_leaf_ = is_leaf_ || makes_one_leaf();
     if (is_leaf_) return Next::Step;
     if (model_.step(level_).drops_faces()) return Next::Step;  // who knows what will be left
+    if (faces_of_child(model_, cell_, level_) > model_.settings().leaf_faces) return Next::Split;
     const bool may_split = level_ > first_level_ || cell_.owned_faces > model_.settings().inner_faces;
     if (!may_split) return Next::Step;
     if (has_many_thinning_buds()) return Next::Split;

@@ -6,6 +6,7 @@
 
 #include "geometry/base/transform.h"
 
+#include <limits>
 #include <memory>
 
 namespace meristem {
@@ -21,6 +22,14 @@ class Footprint {
   // Whether the last level of every vertex fades in as the footprint shrinks, so that what is shown is a continuous
   // function of the footprint.
   virtual bool fades() const { return false; }
+  // Bounds on at() over a box, at all times. As far as they are known: else from 0 to infinity.
+  struct Range {
+    double least = 0, most = std::numeric_limits<double>::infinity();
+  };
+  virtual Range range(const Bounds3d& box) const {
+    (void)box;
+    return {};
+  }
   // At one of them.
   virtual double at(Vec3d position, int time) const {
     (void)time;
@@ -33,6 +42,7 @@ class ConstantFootprint final : public Footprint {
  public:
   explicit ConstantFootprint(double size, bool fades = false) : size_(size), fades_(fades) {}
   double at(Vec3d) const override { return size_; }
+  Range range(const Bounds3d&) const override { return {size_, size_}; }
   bool fades() const override { return fades_; }
 
  private:
@@ -47,6 +57,10 @@ class ObjectFootprint final : public Footprint {
   double at(Vec3d position) const override { return parent_->at(to_parent_.point(position)) / stretch_; }
   double at(Vec3d position, int time) const override {
     return parent_->at(to_parent_.point(position), time) / stretch_;
+  }
+  Range range(const Bounds3d& box) const override {
+    const Range r = parent_->range(to_parent_.bounds(box));
+    return {r.least / stretch_, r.most / stretch_};
   }
   bool fades() const override { return parent_->fades(); }
 

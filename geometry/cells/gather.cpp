@@ -9,7 +9,11 @@
 #include "geometry/mesh/adjacency.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <unordered_map>
+#include <utility>
 
 namespace meristem {
 
@@ -77,12 +81,37 @@ class Groups {
   std::vector<std::uint32_t> parent_;
 };
 
+// Faces in blocks: by cubes of so many edges of the first face, which on an even ground hold the same square of faces
+// each, so that cells of them have one shape.
+std::vector<std::pair<std::array<std::int64_t, 3>, std::uint32_t>> faces_by_block(const Mesh& mesh, std::uint32_t faces,
+                                                                                  double edges) {
+  const auto corners = mesh.corners(0);
+  const double edge = length(mesh.positions[corners[1]] - mesh.positions[corners[0]]);
+  const double side = std::max(edge * edges, std::numeric_limits<double>::min());
+  std::vector<std::pair<std::array<std::int64_t, 3>, std::uint32_t>> result;
+  for (std::uint32_t f = 0; f < faces; ++f) {
+    const Vec3d at = (face_frame(mesh, f).origin - mesh.positions[corners[0]]) * (1 / side);
+    const auto step = [](double x) { return std::int64_t(std::floor(std::clamp(x, -1e15, 1e15))); };
+    result.push_back({{step(at.x), step(at.y), step(at.z)}, f});
+  }
+  std::ranges::sort(result);
+  return result;
+}
+
 // In proportion to how many rays meet the box.
 class ChildMaker {
  public:
-  ChildMaker(const Model& model, InnerCell& inner) : model_(model), inner_(inner), mesh_(inner.cell.mesh) {}
+  ChildMaker(const Model& model, InnerCell& inner)
+      : model_(model),
+        inner_(inner),
+        mesh_(inner.cell.mesh),
+        child_faces_(faces_of_child(model, inner.cell, inner.level)) {}
 
   void run() {
+    if (child_faces_ > model_.settings().leaf_faces) {
+      add_blocks();
+      return find_bounds();
+    }
     std::vector<std::uint32_t> bud_of = find_bud_neighbors();
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> buds;  // by the smallest face of the group
     for (std::uint32_t f = 0; f < inner_.cell.owned_faces; ++f)
@@ -101,6 +130,20 @@ class ChildMaker {
   }
 
  private:
+  void add_blocks() {
+    const std::uint32_t faces = inner_.cell.owned_faces;
+    double all = 0;
+    for (std::uint32_t f = 0; f < faces; ++f) all += wanted_faces(model_, inner_.cell, f, inner_.level);
+    const double edges = std::max(1.0, std::round(std::sqrt(child_faces_ * faces / all)));
+    std::array<std::int64_t, 3> block{};
+    for (const auto& [next, face] : faces_by_block(mesh_, faces, edges)) {
+      if (next != block) close_run();
+      block = next;
+      add_plain(face);
+    }
+    close_run();
+  }
+
   bool is_bud(std::uint32_t f) const {
     return model_.grows_later(mesh_.origins[mesh_.face_origins[f]].symbol, inner_.level);
   }
@@ -137,9 +180,14 @@ class ChildMaker {
 
   void add_plain(std::uint32_t f) {
     const double faces = wanted_faces(model_, inner_.cell, f, inner_.level);
-    if (!run_.empty() && run_faces_ + faces > model_.settings().leaf_faces) close_run();
+    if (!run_.empty() && run_faces_ + faces > most_in_child()) close_run();
     run_.push_back(f);
     run_faces_ += faces;
+  }
+
+  // A block may hold somewhat more than others.
+  double most_in_child() const {
+    return child_faces_ > model_.settings().leaf_faces ? 1.5 * child_faces_ : child_faces_;
   }
 
   void close_run() {
@@ -218,6 +266,7 @@ class ChildMaker {
   const Model& model_;
   InnerCell& inner_;
   const Mesh& mesh_;
+  const double child_faces_;  // that may come of one
   const double bud_share_ = find_bud_share();
   const bool has_lone_buds_ = find_lone_buds();
   std::vector<std::uint32_t> run_;
@@ -248,6 +297,16 @@ CellMesh gather_cell(const Mesh& mesh, const VertexFaces& faces_around, std::spa
   }
   cell.mesh = packed ? extract_faces(mesh, *packed, faces.indices()) : extract_faces(mesh, faces.indices());
   return cell;
+}
+
+double faces_of_child(const Model& model, const CellMesh& cell, int level) {
+  const double leaf_faces = model.settings().leaf_faces;
+  const bool only_refines = model.trailing_refinements(level) == model.levels() - level;
+  if (!model.settings().keeps_leaf_meshes || !only_refines) return leaf_faces;
+  constexpr double many = 1024;
+  double leaves = 0;
+  for (std::uint32_t f = 0; f < cell.owned_faces; ++f) leaves += wanted_faces(model, cell, f, level) / leaf_faces;
+  return leaves > many && cell.owned_faces > many ? leaf_faces * std::sqrt(leaves) : leaf_faces;
 }
 
 void make_children(const Model& model, InnerCell& inner) { ChildMaker(model, inner).run(); }

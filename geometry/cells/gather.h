@@ -11,6 +11,10 @@ namespace meristem {
 CellMesh gather_cell(const Mesh& mesh, const VertexFaces& faces_around, std::span<const std::uint32_t> owned, int rings,
                      const PackedArrays* packed = nullptr);
 
+// How many final faces may come of one child of a cell: those of a leaf; of ground on which parts are placed, and of
+// which more than a thousand leaves come, so many that it has about as many children as these have leaves.
+double faces_of_child(const Model& model, const CellMesh& cell, int level);
+
 // Fills in the children of an inner cell whose mesh, level and faces_around are set: runs of neighbouring faces that
 // make one leaf together, single faces that make more; a face that still grows stands with the faces that touch it,
 // whose smoothing it reaches, and with others of its kind as far as they make one leaf together.

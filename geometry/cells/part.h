@@ -12,6 +12,7 @@
 
 namespace meristem {
 
+class Footprint;
 struct Part;
 // What a part is in each of equally long moments while the shutter is open; never empty.
 using PartMoments = std::vector<std::shared_ptr<const Part>>;
@@ -40,15 +41,42 @@ Bounds3f bounds_in_parent(const Placement& placement, const Bounds3f& box);
 // Of a part at all moments (null: it has one), conservative, in its own frame.
 Bounds3f bounds_of_moments(const Part& part, const PartMoments* moments);
 
+// How far what a placer places reaches from where it stands, as boxes around the origin: all of it, and each kind at a
+// scale of 1, by the placer's own numbers. No kinds: all that is known is the box.
+struct PlacedReach {
+  Bounds3f all;
+  std::vector<Bounds3f> kinds = {};
+};
+
+// What stands on the owned faces of a cell of ground; keeps what it needs of the mesh. Immutable; any thread.
+class Furnishing {
+ public:
+  virtual ~Furnishing() = default;
+  virtual std::uint32_t face_count() const = 0;
+  // How many stand on a face at most.
+  virtual std::uint32_t most_on(std::uint32_t face) const = 0;
+  // Of the ground of all faces; and of what stands on those from `begin` up to `end`.
+  virtual Bounds3f ground_bounds() const = 0;
+  virtual Bounds3f bounds(std::uint32_t begin, std::uint32_t end, const PlacedReach& reach) const = 0;
+  // Adds what stands on these faces.
+  virtual void place(std::uint32_t begin, std::uint32_t end, std::vector<Placement>& placements) const = 0;
+  virtual std::size_t bytes() const = 0;
+};
+
 // Puts parts on the faces of a mesh.
 class Placer {
  public:
   virtual ~Placer() = default;
-  // What stands on the owned faces of a cell of the ground's final mesh. A pure function of each face; the same for
-  // every thread. `individual` as given to the part.
-  virtual void place(const CellMesh& ground, Key individual, std::vector<Placement>& placements) const = 0;
-  // A box around the origin that holds whatever is placed there.
+  // Of a cell of the ground's final mesh. A pure function of each face; the same for every thread. `individual` as
+  // given to the part. The placer must outlive it.
+  virtual std::unique_ptr<const Furnishing> furnish(const CellMesh& ground, Key individual) const = 0;
+  // Whether nothing stands on ground that lies in this box, whatever its shape.
+  virtual bool leaves_bare(const Bounds3f& ground) const = 0;
+  // Of whatever is placed,
   virtual Bounds3f reach() const = 0;
+  // and closer, of what is placed on ground in that box where it is seen with that footprint (null: in full).
+  virtual std::shared_ptr<const PlacedReach> reach_on(const Bounds3f& ground, const Footprint* footprint,
+                                                      Key individual) const = 0;
 };
 
 // Bounds of what is placed on a ground with those bounds.

@@ -1,5 +1,7 @@
 #include "geometry/cells/placed_footprint.h"
 
+#include "geometry/cells/expansion.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -45,16 +47,27 @@ std::shared_ptr<const Footprint> footprint_of(const Exact& exact, const Placemen
                                        i & 4 ? bounds.upper.z : bounds.lower.z});
     least = std::min(least, at_corner);
     most = std::max(most, at_corner);
-    if (most > most_variation * least) return keep();
+    if (!is_about_constant({least, most})) return keep();
   }
   if (!placement.is_shared) return std::make_shared<ConstantFootprint>(least, exact.fades());
-  return std::make_shared<ConstantFootprint>(
-      std::exp2(std::floor(std::log2(least) * footprint_steps_per_octave) / footprint_steps_per_octave), exact.fades());
+  return std::make_shared<ConstantFootprint>(size_of_step(footprint_step(least)), exact.fades());
 }
 
 }  // namespace
 
 const Bounds3f& placed_bounds(const Placement& p) { return p.known_bounds.empty() ? p.part->typical : p.known_bounds; }
+
+int footprint_step(double size) { return int(std::floor(std::log2(size) * footprint_steps_per_octave)); }
+
+double size_of_step(int step) { return std::exp2(step / footprint_steps_per_octave); }
+
+bool is_about_constant(const Footprint::Range& range) { return range.most <= most_variation * range.least; }
+
+// The twigs of a tree are many and reach little beyond its branches.
+Bounds3f bounds_of_individual(const Part& part, const Footprint* footprint, Key individual, const Bounds3f& otherwise) {
+  constexpr int derived_levels = 2;
+  return part.derives ? model_bounds(*part.model, footprint, individual, derived_levels) : otherwise;
+}
 
 std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Footprint>& parent,
                                                   const Placement& placement) {
@@ -78,6 +91,19 @@ ShownPlacement shown_placement(const Placement& placement, const std::shared_ptr
   if (max_component(placed_bounds(placement).size()) < placement.stand_in_below * size)
     return {std::move(other), std::move(seen_as)};
   return {placement, placed_footprint(footprint, placement)};
+}
+
+std::optional<SharedPlacement> shared_placement(const Placement& p, const Footprint::Range& parent) {
+  const bool is_of_many = p.stand_in != 0 || (p.is_shared && p.is_one_of_many);
+  if (!is_of_many || p.in_full || p.motion || p.moments || !is_about_constant(parent)) return {};
+  constexpr double rounding = 1e-9;
+  const double stretch = largest_stretch(p.to_parent);
+  const int step = footprint_step(parent.least / stretch * (1 - rounding));
+  if (footprint_step(parent.most / stretch * (1 + rounding)) != step) return {};
+  const double size = size_of_step(step);
+  if (p.stand_in == 0) return SharedPlacement{p.individual, size};
+  if (!(max_component(placed_bounds(p).size()) < p.stand_in_below * size)) return {};
+  return SharedPlacement{p.stand_in, size};
 }
 
 Key placed_individual(Key parent, const Placement& placement) {

@@ -5,6 +5,8 @@
 #include "geometry/cells/footprint.h"
 #include "geometry/cells/part.h"
 
+#include <optional>
+
 namespace meristem {
 
 // What decisions take for its bounds: those of one individual of the part, unless they are known.
@@ -22,6 +24,25 @@ struct ShownPlacement {
   std::shared_ptr<const Footprint> footprint;  // placed_footprint() of it
 };
 ShownPlacement shown_placement(const Placement& placement, const std::shared_ptr<const Footprint>& footprint);
+
+// Constant footprints that are shared come in steps: the number of the step in which a size falls, and the size that
+// stands for the step, its least.
+int footprint_step(double size);
+double size_of_step(int step);
+// Where a footprint has such bounds it counts as constant, as placed_footprint() decides.
+bool is_about_constant(const Footprint::Range& range);
+
+// A placement of which the size of its constant footprint is known by bounds on its parent's over the box by which that
+// is decided: as whom it is shown, and that size. None: shown_placement() has to decide.
+struct SharedPlacement {
+  Key individual;
+  double size;
+};
+std::optional<SharedPlacement> shared_placement(const Placement& placement, const Footprint::Range& parent);
+
+// Of an individual of a part in its own frame, before it is expanded; `otherwise` where nothing closer can be had.
+// Most of what is placed is never met: so not from all that grows on it.
+Bounds3f bounds_of_individual(const Part& part, const Footprint* footprint, Key individual, const Bounds3f& otherwise);
 
 // Of a part that is placed in an individual.
 Key placed_individual(Key parent, const Placement& placement);

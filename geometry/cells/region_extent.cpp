@@ -15,6 +15,7 @@ struct Neighborhood {
   std::vector<std::uint32_t> ring1, ring2;
 
   Neighborhood(const Mesh& mesh, const Adjacency& adjacency, std::span<const std::uint32_t> faces) {
+    if (faces.size() == mesh.face_count()) return;
     std::vector<std::uint32_t> seen(faces.begin(), faces.end());
     std::sort(seen.begin(), seen.end());
     ring1 = ring_around(mesh, adjacency, faces, seen);

@@ -79,7 +79,10 @@ class Layout {
   static std::vector<Placement> standing_on(const Part& part, Key individual) {
     std::vector<Placement> placements;
     visit_cells(*part.model, root_cell(*part.model, nullptr, individual), 0, 0, 1,
-                [&](const Expansion& ground, double) { part.placer->place(ground.mesh, individual, placements); });
+                [&](const Expansion& ground, double) {
+                  const auto furnishing = part.placer->furnish(ground.mesh, individual);
+                  furnishing->place(0, furnishing->face_count(), placements);
+                });
     return placements;
   }
 

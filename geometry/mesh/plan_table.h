@@ -26,10 +26,10 @@ struct ShapeName {
 ShapeName shape_name(const Mesh& mesh, std::uint32_t owned_faces, std::uint64_t options);
 
 // `Plan` has bytes().
-template <class Plan>
+template <class Plan, std::size_t most = std::size_t(4) << 20>
 class PlanTable {
  public:
-  static constexpr std::size_t most_bytes = std::size_t(4) << 20;
+  static constexpr std::size_t most_bytes = most;
 
   // The plan of a shape; made by make() if the table does not hold it.
   template <class Make>

@@ -1,11 +1,13 @@
 #include "procedural/scatter/scatter.h"
 
 #include "geometry/cells/expansion.h"
+#include "geometry/cells/placed_footprint.h"
 #include "geometry/mesh/refine.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 namespace meristem {
@@ -20,13 +22,14 @@ enum What : Key { what_count = 1, what_place, what_turn, what_kind, what_variant
 // Points on the ground as columns, the inputs of an expression.
 class GroundPoints {
  public:
+  explicit GroundPoints(std::size_t most) : most_(most), columns_(columns * most) { keys_.reserve(most); }
+
   void add(Vec3d p, Vec3d n, Vec2d uv, Key key) {
-    const std::array<double, 8> row{p.x, p.y, p.z, n.x, n.y, n.z, uv.x, uv.y};
-    for (std::size_t i = 0; i < row.size(); ++i) columns_[i].push_back(float(row[i]));
+    const std::array<double, columns> row{p.x, p.y, p.z, n.x, n.y, n.z, uv.x, uv.y};
+    for (std::size_t i = 0; i < columns; ++i) columns_[i * most_ + keys_.size()] = float(row[i]);
     keys_.push_back(key);
   }
   std::vector<float> evaluate(const Expression& expression, Key salt) const {
-    const auto column = [&](std::size_t i) { return columns_[i].data(); };
     const std::array<Input, slot_count> inputs{
         Input{column(0), column(1), column(2), 1}, Input{column(3), column(4), column(5), 1},
         Input{column(6), nullptr, nullptr, 1}, Input{column(7), nullptr, nullptr, 1}};
@@ -37,11 +40,15 @@ class GroundPoints {
   }
   std::size_t size() const { return keys_.size(); }
   Key key(std::size_t i) const { return keys_[i]; }
-  Vec3d position(std::size_t i) const { return {columns_[0][i], columns_[1][i], columns_[2][i]}; }
-  Vec3d normal(std::size_t i) const { return {columns_[3][i], columns_[4][i], columns_[5][i]}; }
+  Vec3d position(std::size_t i) const { return {column(0)[i], column(1)[i], column(2)[i]}; }
+  Vec3d normal(std::size_t i) const { return {column(3)[i], column(4)[i], column(5)[i]}; }
 
  private:
-  std::array<std::vector<float>, 8> columns_;
+  static constexpr std::size_t columns = 8;
+  const float* column(std::size_t i) const { return columns_.data() + i * most_; }
+
+  std::size_t most_;
+  std::vector<float> columns_;  // one after the other
   std::vector<Key> keys_;
 };
 
@@ -119,6 +126,17 @@ Bounds3f individual_bounds(const Part& part, Key individual) {
   return bounds.inflated(Vec3f(margin * bounds.diagonal()));
 }
 
+// The variables of all points on ground in a box.
+std::array<IntervalValue, slot_count> points_in(const Bounds3f& box) {
+  std::array<IntervalValue, slot_count> points{};
+  constexpr float inf = std::numeric_limits<float>::infinity();
+  const auto [lower, upper] = box;
+  points[slot_p] = {{lower.x, upper.x}, {lower.y, upper.y}, {lower.z, upper.z}, inf};
+  points[slot_n] = IntervalValue::unit_vector();
+  points[slot_u] = points[slot_v] = IntervalValue::scalar(-inf, inf);
+  return points;
+}
+
 double farthest(double lower, double upper) { return std::max(std::abs(lower), std::abs(upper)); }
 
 }  // namespace
@@ -151,65 +169,197 @@ ScatterSettings read_scatter_settings(Params& params) {
 
 Scatter::Scatter(ScatterSettings settings, std::vector<Choice> choices, Key seed)
     : settings_(std::move(settings)), choices_(std::move(choices)), seed_(seed) {
-  std::array<IntervalValue, slot_count> anywhere{};
   constexpr float inf = std::numeric_limits<float>::infinity();
-  anywhere[slot_p] = {{-inf, inf}, {-inf, inf}, {-inf, inf}, inf};
-  anywhere[slot_n] = IntervalValue::unit_vector();
-  anywhere[slot_u] = anywhere[slot_v] = IntervalValue::scalar(-inf, inf);
-  const Interval scale = settings_.scale->evaluate_bounds(anywhere).x;
-  const double largest = farthest(double(scale.lower), double(scale.upper));
-  const bool is_upright = settings_.align == 0 && scale.lower >= 0;
+  const Interval scale = settings_.scale->evaluate_bounds(points_in({Vec3f(-inf), Vec3f(inf)})).x;
+  largest_scale_ = farthest(double(scale.lower), double(scale.upper));
+  smallest_scale_ = std::max({0.0, double(scale.lower), -double(scale.upper)});
+  is_upright_ = settings_.align == 0 && scale.lower >= 0;
   constexpr double most_scale = 1e6;
-  if (!(largest <= most_scale)) throw std::runtime_error("the scale has no upper bound: wrap it in clamp(..., lo, hi)");
+  if (!(largest_scale_ <= most_scale))
+    throw std::runtime_error("the scale has no upper bound: wrap it in clamp(..., lo, hi)");
   measure_variants();
   for (const Choice& c : choices_) {
     total_weight_ += c.weight;
-    if (known_bounds_.empty())
-      reach_.extend(reach_of(bounds_of_moments(*c.part, c.moments.get()), largest, is_upright));
+    has_moments_ = has_moments_ || c.moments;
+    typical_reach_.extend(reach_of(c.part->typical, largest_scale_));
+    typical_size_ = std::max(typical_size_, double(max_component(c.part->typical.size())));
+    if (known_bounds_.empty()) reach_.all.extend(reach_of(bounds_of_moments(*c.part, c.moments.get()), largest_scale_));
   }
-  for (const Bounds3f& b : known_bounds_) reach_.extend(reach_of(b, largest, is_upright));
+  for (const Bounds3f& b : known_bounds_) {
+    reach_.all.extend(reach_of(b, largest_scale_));
+    reach_.kinds.push_back(reach_of(b, 1));
+  }
 }
 
 // Where a part with those bounds may lie around the place where it stands: turned about the vertical, or any way.
-Bounds3f Scatter::reach_of(const Bounds3f& b, double largest, bool is_upright) const {
+Bounds3f Scatter::reach_of(const Bounds3f& b, double scale) const {
   const double sink = std::abs(settings_.sink);
   const double aside =
       std::hypot(farthest(double(b.lower.x), double(b.upper.x)), farthest(double(b.lower.z), double(b.upper.z)));
   const double any = std::hypot(aside, farthest(double(b.lower.y), double(b.upper.y))) + sink;
   Bounds3d reach{Vec3d{-aside, double(b.lower.y) - sink, -aside}, Vec3d{aside, double(b.upper.y) + sink, aside}};
-  if (!is_upright) reach = {Vec3d(-any), Vec3d(any)};
+  if (!is_upright_) reach = {Vec3d(-any), Vec3d(any)};
   reach.extend(Vec3d{});
-  return round_outwards(Bounds3d{reach.lower * largest, reach.upper * largest});
+  return round_outwards(Bounds3d{reach.lower * scale, reach.upper * scale});
+}
+
+const std::vector<Bounds3f>& Scatter::variant_bounds(const SeenAs& seen_as) const {
+  std::vector<Bounds3f>& bounds = variant_bounds_[seen_as];
+  if (!bounds.empty()) return bounds;
+  const ConstantFootprint footprint(size_of_step(seen_as.step), seen_as.fades);
+  for (const Choice& c : choices_)
+    for (int i = 0; i < settings_.variants; ++i) {
+      Placement p;
+      p.individual = variant(i);
+      bounds.push_back(
+          bounds_of_individual(*c.part, &footprint, placed_individual(seen_as.individual, p), c.part->typical));
+    }
+  return bounds;
+}
+
+std::shared_ptr<const PlacedReach> Scatter::reach_on(const Bounds3f& ground, const Footprint* footprint,
+                                                     Key individual) const {
+  const std::shared_ptr<const PlacedReach> general(std::shared_ptr<const PlacedReach>(), &reach_);
+  if (!footprint || settings_.variants == 0 || has_moments_ || !known_bounds_.empty()) return general;
+  const Bounds3f region = bounds_with_reach(ground, typical_reach_);
+  const Footprint::Range range = footprint->range({Vec3d(region.lower), Vec3d(region.upper)});
+  if (!is_about_constant(range) || !(smallest_scale_ > 0)) return general;
+  constexpr double rounding = 1e-9;
+  constexpr int most_steps = 8;
+  const SeenAs first{footprint_step(range.least / largest_scale_ * (1 - rounding)), footprint->fades(), individual};
+  const int last = footprint_step(range.most / smallest_scale_ * (1 + rounding));
+  const bool all_are_small =
+      settings_.distinct == 0 || typical_size_ < settings_.distinct * size_of_step(first.step) * (1 - rounding);
+  if (!all_are_small || last - first.step >= most_steps) return general;
+  const std::lock_guard lock(mutex_);
+  std::shared_ptr<const PlacedReach>& known = reaches_[{first, last}];
+  if (known) return known;
+  PlacedReach reach;
+  reach.kinds.resize(choices_.size() * std::size_t(settings_.variants));
+  for (SeenAs s = first; s.step <= last; ++s.step) {
+    const std::vector<Bounds3f>& bounds = variant_bounds(s);
+    for (std::size_t k = 0; k < bounds.size(); ++k) {
+      reach.kinds[k].extend(reach_of(bounds[k], 1));
+      reach.all.extend(reach_of(bounds[k], largest_scale_));
+    }
+  }
+  constexpr float margin = 1e-3f;  // far from the origin sums with a place are rounded
+  reach.all = reach.all.inflated(Vec3f(margin * reach.all.diagonal()));
+  return known = std::make_shared<const PlacedReach>(std::move(reach));
+}
+
+bool Scatter::leaves_bare(const Bounds3f& ground) const {
+  return settings_.density->evaluate_bounds(points_in(ground)).x.upper <= 0;
 }
 
 void Scatter::measure_variants() {
   const bool are_known_otherwise =
       std::any_of(choices_.begin(), choices_.end(), [](const Choice& c) { return c.part->derives || c.moments; });
-  if (settings_.variants > most_variants_measured || are_known_otherwise) return;
+  if (settings_.variants > most_variants_measured || settings_.distinct > 0 || are_known_otherwise) return;
   for (const Choice& c : choices_)
     for (int i = 0; i < settings_.variants; ++i) known_bounds_.push_back(individual_bounds(*c.part, variant(i)));
 }
 
 Key Scatter::variant(int index) const { return hash_keys(seed_, what_variant, Key(index)); }
 
-void Scatter::place(const CellMesh& ground, Key individual, std::vector<Placement>& placements) const {
-  const Mesh& mesh = ground.mesh;
-  const std::vector<Vec2d> uv = vertex_uv(mesh);
-  GroundPoints centroids, points;
-  for (std::uint32_t f = 0; f < ground.owned_faces; ++f)
-    GroundFace(mesh, uv, f).add_centroid(hash_keys(mesh.face_keys[f], seed_, individual), centroids);
-  const std::vector<float> density = centroids.evaluate(*settings_.density, seed_);
-  for (std::uint32_t f = 0; f < ground.owned_faces; ++f) {
-    const GroundFace face(mesh, uv, f);
-    const double expected = std::clamp(double(density[f]) * face.area(), 0.0, 1e6);  // of NaN: 0
-    const Key key = centroids.key(f);
-    const auto count = std::uint64_t(expected + uniform_double(hash_keys(key, what_count)));
-    for (std::uint64_t i = 0; i < count; ++i) face.add_random(hash_keys(key, what_part, i), points);
+int Scatter::variant_of(Key key) const {
+  return int(uniform_double(hash_keys(key, what_variant)) * settings_.variants);
+}
+
+// Of the mesh no more than its owned faces, which are the first, and their vertices.
+class Scatter::OnCell final : public Furnishing {
+ public:
+  OnCell(const Scatter& scatter, const CellMesh& ground, Key individual) : scatter_(scatter) {
+    const Mesh& all = ground.mesh;
+    const std::uint32_t faces = ground.owned_faces, corners = all.face_starts[faces];
+    mesh_.face_starts.assign(all.face_starts.begin(), all.face_starts.begin() + faces + 1);
+    mesh_.corner_vertices.assign(all.corner_vertices.begin(), all.corner_vertices.begin() + corners);
+    std::uint32_t vertices = 0;
+    for (std::uint32_t v : mesh_.corner_vertices) vertices = std::max(vertices, v + 1);
+    mesh_.positions.assign(all.positions.begin(), all.positions.begin() + vertices);
+    uv_ = vertex_uv(all);
+    uv_.resize(vertices);
+    uv_.shrink_to_fit();
+    mesh_.face_keys.reserve(faces);
+    for (std::uint32_t f = 0; f < faces; ++f)
+      mesh_.face_keys.push_back(hash_keys(all.face_keys[f], scatter.seed_, individual));
+    count();
   }
-  const std::vector<float> scale = points.evaluate(*settings_.scale, seed_);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (std::isfinite(scale[i]) && scale[i] != 0)
-      placements.push_back(placement(points.position(i), points.normal(i), double(scale[i]), points.key(i)));
+
+  std::uint32_t face_count() const override { return mesh_.face_count(); }
+  std::uint32_t most_on(std::uint32_t face) const override { return counts_[face]; }
+  Bounds3f ground_bounds() const override { return ground_of(0, face_count()); }
+  Bounds3f bounds(std::uint32_t begin, std::uint32_t end, const PlacedReach& reach) const override {
+    const auto counts = std::span(counts_).subspan(begin, end - begin);
+    if (std::ranges::all_of(counts, [](std::uint32_t n) { return n == 0; })) return {};
+    if (reach.kinds.empty()) return bounds_with_reach(ground_of(begin, end), reach.all);
+    const GroundPoints points = points_on(begin, end);
+    const std::vector<float> scale = points.evaluate(*scatter_.settings_.scale, scatter_.seed_);
+    Bounds3d bounds;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!std::isfinite(scale[i])) continue;
+      const Key key = points.key(i);
+      const Choice& choice = scatter_.choose(uniform_double(hash_keys(key, what_kind)));
+      const Bounds3f& of_kind = reach.kinds[scatter_.kind(choice, scatter_.variant_of(key))];
+      const double size = std::abs(double(scale[i]));
+      bounds.extend(
+          {points.position(i) + Vec3d(of_kind.lower) * size, points.position(i) + Vec3d(of_kind.upper) * size});
+    }
+    return round_outwards(bounds.inflated(Vec3d(rounding * bounds.diagonal())));
+  }
+  void place(std::uint32_t begin, std::uint32_t end, std::vector<Placement>& placements) const override {
+    const GroundPoints points = points_on(begin, end);
+    const std::vector<float> scale = points.evaluate(*scatter_.settings_.scale, scatter_.seed_);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (std::isfinite(scale[i]) && scale[i] != 0)
+        placements.push_back(scatter_.placement(points.position(i), points.normal(i), double(scale[i]), points.key(i)));
+  }
+  std::size_t bytes() const override {
+    return sizeof(*this) + mesh_.bytes() + uv_.capacity() * sizeof(Vec2d) + counts_.capacity() * 4;
+  }
+
+ private:
+  static constexpr double rounding = 1e-5;  // of boxes in float
+
+  Bounds3f ground_of(std::uint32_t begin, std::uint32_t end) const {
+    Bounds3d bounds;
+    for (std::uint32_t c = mesh_.face_starts[begin]; c < mesh_.face_starts[end]; ++c)
+      bounds.extend(mesh_.positions[mesh_.corner_vertices[c]]);
+    return round_outwards(bounds);
+  }
+  GroundPoints points_on(std::uint32_t begin, std::uint32_t end) const {
+    GroundPoints points(std::accumulate(counts_.begin() + begin, counts_.begin() + end, std::size_t(0)));
+    for (std::uint32_t f = begin; f < end; ++f) {
+      if (counts_[f] == 0) continue;
+      const GroundFace face(mesh_, uv_, f);
+      for (std::uint64_t i = 0; i < counts_[f]; ++i)
+        face.add_random(hash_keys(mesh_.face_keys[f], what_part, i), points);
+    }
+    return points;
+  }
+  void count() {
+    GroundPoints centroids(face_count());
+    std::vector<double> areas;
+    for (std::uint32_t f = 0; f < face_count(); ++f) {
+      const GroundFace face(mesh_, uv_, f);
+      face.add_centroid(mesh_.face_keys[f], centroids);
+      areas.push_back(face.area());
+    }
+    const std::vector<float> density = centroids.evaluate(*scatter_.settings_.density, scatter_.seed_);
+    for (std::uint32_t f = 0; f < face_count(); ++f) {
+      const double expected = std::min(std::max(0.0, double(density[f]) * areas[f]), 1e6);  // of NaN: 0
+      counts_.push_back(std::uint32_t(expected + uniform_double(hash_keys(mesh_.face_keys[f], what_count))));
+    }
+  }
+
+  const Scatter& scatter_;
+  Mesh mesh_;  // its face keys are those of what stands on them
+  std::vector<Vec2d> uv_;
+  std::vector<std::uint32_t> counts_;
+};
+
+std::unique_ptr<const Furnishing> Scatter::furnish(const CellMesh& ground, Key individual) const {
+  return std::make_unique<const OnCell>(*this, ground, individual);
 }
 
 const Scatter::Choice& Scatter::choose(double random) const {
@@ -225,13 +375,14 @@ Placement Scatter::placement(Vec3d position, Vec3d normal, double scale, Key key
   const double turn = settings_.turn * pi / 180 * uniform_double(hash_keys(key, what_turn));
   const Choice& choice = choose(uniform_double(hash_keys(key, what_kind)));
   Placement p;
-  p.part = choice.part;
+  // No count of who holds it: the scatter does, and threads would pass the counter to and fro.
+  p.part = std::shared_ptr<const Part>(std::shared_ptr<const Part>(), choice.part.get());
   p.moments = choice.moments;
   p.to_parent = Affine3d::translation(position - axis * (settings_.sink * scale)) *
                 standing(axis == Vec3d{} ? up : axis) * Affine3d::rotation(up, turn) * Affine3d::scaling(Vec3d(scale));
   p.individual = key;
   if (settings_.variants == 0) return p;
-  const int index = int(uniform_double(hash_keys(key, what_variant)) * settings_.variants);
+  const int index = variant_of(key);
   if (settings_.distinct > 0) {
     p.stand_in = variant(index);
     p.stand_in_below = settings_.distinct;
@@ -240,9 +391,7 @@ Placement Scatter::placement(Vec3d position, Vec3d normal, double scale, Key key
   p.is_shared = true;
   p.is_one_of_many = true;
   p.individual = variant(index);
-  if (!known_bounds_.empty())
-    p.known_bounds =
-        known_bounds_[std::size_t(&choice - choices_.data()) * std::size_t(settings_.variants) + std::size_t(index)];
+  if (!known_bounds_.empty()) p.known_bounds = known_bounds_[kind(choice, index)];
   return p;
 }
 

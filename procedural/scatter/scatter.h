@@ -9,8 +9,11 @@
 #include "geometry/cells/part.h"
 #include "geometry/fields/expression.h"
 
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace meristem {
@@ -40,23 +43,49 @@ class Scatter final : public Placer {
   // Throws std::runtime_error if the scale has no bound.
   Scatter(ScatterSettings settings, std::vector<Choice> choices, Key seed);
 
-  void place(const CellMesh& ground, Key individual, std::vector<Placement>& placements) const override;
-  Bounds3f reach() const override { return reach_; }
+  std::unique_ptr<const Furnishing> furnish(const CellMesh& ground, Key individual) const override;
+  bool leaves_bare(const Bounds3f& ground) const override;
+  Bounds3f reach() const override { return reach_.all; }
+  // Where all is seen so small that variants stand there, theirs. Some milliseconds for a footprint that is new.
+  std::shared_ptr<const PlacedReach> reach_on(const Bounds3f& ground, const Footprint* footprint,
+                                              Key individual) const override;
 
  private:
+  class OnCell;
+  // A footprint by its step (footprint_step()), and the individual that the ground is of.
+  struct SeenAs {
+    int step;
+    bool fades;
+    Key individual;
+    auto operator<=>(const SeenAs&) const = default;
+  };
   const Choice& choose(double random) const;
   Key variant(int index) const;
+  int variant_of(Key key) const;
+  std::size_t kind(const Choice& choice, int variant) const {
+    return std::size_t(&choice - choices_.data()) * std::size_t(settings_.variants) + std::size_t(variant);
+  }
   void measure_variants();
-  Bounds3f reach_of(const Bounds3f& part, double largest, bool is_upright) const;
+  Bounds3f reach_of(const Bounds3f& part, double scale) const;
+  const std::vector<Bounds3f>& variant_bounds(const SeenAs& seen_as) const;
   Placement placement(Vec3d position, Vec3d normal, double scale, Key key) const;
 
   const ScatterSettings settings_;
   const std::vector<Choice> choices_;
   const Key seed_;
   double total_weight_ = 0;
-  std::vector<Bounds3f>
-      known_bounds_;  // of every choice's variants, if these are few, keep still, and are not derived anyway
-  Bounds3f reach_;
+  double smallest_scale_ = 0, largest_scale_ = 0;  // the magnitudes
+  bool is_upright_ = false;                        // and never upside down
+  bool has_moments_ = false;
+  // By kind(), if variants are few, keep still, and are not derived anyway.
+  std::vector<Bounds3f> known_bounds_;
+  PlacedReach reach_;
+  Bounds3f typical_reach_;   // of the boxes by which placed_footprint() decides
+  double typical_size_ = 0;  // the largest side of one of these
+  mutable std::mutex mutex_;
+  mutable std::map<SeenAs, std::vector<Bounds3f>> variant_bounds_;  // by kind(); guarded by mutex_
+  mutable std::map<std::pair<SeenAs, int>, std::shared_ptr<const PlacedReach>>
+      reaches_;  // up to a step; guarded by mutex_
 };
 
 }  // namespace meristem

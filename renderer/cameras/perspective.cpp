@@ -1,5 +1,8 @@
 #include "renderer/cameras/perspective.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace meristem {
 
 Perspective::Perspective(Params& params) {
@@ -55,14 +58,33 @@ float quick_acos(float x) {
 
 }  // namespace
 
+float Perspective::cone_tangent_squared(int width, int height) const {
+  const float x = half_height_ * (float(width) / float(height) + 2 * std::abs(shift_x_));
+  const float y = half_height_ * (1 + 2 * std::abs(shift_y_));
+  return x * x + y * y;
+}
+
+// By distance and by angle from the view direction: it grows with the one, and with the other it shrinks up to the edge
+// of the cone and grows from there on.
+std::pair<float, float> Perspective::footprint_range(Vec3f center, float radius, int width, int height) const {
+  const Vec3d v = Vec3d(center) - Vec3d(origin_);
+  const double distance = length(v), r = double(radius) + 1e-6 * length(Vec3d(center));
+  if (!(distance > 2 * r)) return {0.f, std::numeric_limits<float>::infinity()};
+  const double cone = std::atan(std::sqrt(double(cone_tangent_squared(width, height))));
+  const double angle = std::acos(std::clamp(dot(v, Vec3d(forward_)) / distance, -1.0, 1.0));
+  const double turn = std::asin(r / distance), from = std::max(angle - turn, 0.0), to = std::min(angle + turn, pi);
+  const auto depth = [&](double a) { return a <= cone ? std::cos(a) : std::cos(cone) * (1 + 2 * (a - cone)); };
+  const double pixel = 2 * double(half_height_) / height;
+  constexpr double margin = 1e-3;  // of quick_acos() and of rounding
+  return {float(pixel * (distance - r) * depth(std::clamp(cone, from, to)) * (1 - margin)),
+          float(pixel * (distance + r) * std::max(depth(from), depth(to)) * (1 + margin))};
+}
+
 float Perspective::footprint(Vec3f position, int width, int height) const {
   const Vec3f v = position - origin_;
   const float z = dot(v, forward_), distance_squared = dot(v, v);
   const float pixel = 2 * half_height_ / float(height);
-  // The cone around the view direction that holds the image
-  const float x = half_height_ * (float(width) / float(height) + 2 * std::abs(shift_x_));
-  const float y = half_height_ * (1 + 2 * std::abs(shift_y_));
-  const float secant_squared = 1 + x * x + y * y;
+  const float secant_squared = 1 + cone_tangent_squared(width, height);
   if (z >= 0 && z * z * secant_squared >= distance_squared) return pixel * z;
   const float distance = std::sqrt(distance_squared), cone_cosine = 1 / std::sqrt(secant_squared);
   const float outside = quick_acos(std::max(z / distance, -1.f)) - quick_acos(cone_cosine);

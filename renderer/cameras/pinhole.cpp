@@ -7,7 +7,7 @@
 namespace meristem {
 namespace {
 
-class Pinhole : public Camera {
+class Pinhole : public Camera, public FootprintRange {
  public:
   explicit Pinhole(Params& params) : perspective_(params) {}
 
@@ -20,6 +20,9 @@ class Pinhole : public Camera {
   bool has_lens() const override { return false; }
   float footprint(Vec3f position, int width, int height) const override {
     return perspective_.footprint(position, width, height);
+  }
+  std::pair<float, float> footprint_range(Vec3f center, float radius, int width, int height) const override {
+    return perspective_.footprint_range(center, radius, width, height);
   }
   std::optional<Vec2f> project(Vec3d position, int width, int height) const override {
     return perspective_.project(position, width, height);

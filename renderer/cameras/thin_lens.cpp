@@ -9,7 +9,7 @@
 namespace meristem {
 namespace {
 
-class ThinLens : public Camera {
+class ThinLens : public Camera, public FootprintRange {
  public:
   explicit ThinLens(Params& params) : perspective_(params) {
     const double radius = params.real("aperture_radius", 0, {0, 1e6, "m"}, "radius of the opening; 0: from f_stop");
@@ -36,6 +36,9 @@ class ThinLens : public Camera {
   }
   float footprint(Vec3f position, int width, int height) const override {
     return perspective_.footprint(position, width, height);
+  }
+  std::pair<float, float> footprint_range(Vec3f center, float radius, int width, int height) const override {
+    return perspective_.footprint_range(center, radius, width, height);
   }
   std::optional<Vec2f> project(Vec3d position, int width, int height) const override {
     return perspective_.project(position, width, height);

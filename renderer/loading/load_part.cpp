@@ -250,10 +250,7 @@ std::shared_ptr<const Part> PartLibrary::build_scatter(const std::string& name, 
     return nullptr;
   }
   used_.insert(section.on);
-  ModelContext context = *context_;
-  context.cells = {.leaf_faces = 64, .keeps_leaf_meshes = true};
-  context.levels = section.levels;
-  auto ground = build_model(section.on, *ground_value, seed, context);
+  const auto ground = build_ground(section.on, *ground_value, section.levels, seed);
   if (!ground || choices.empty()) return nullptr;
   try {
     const Key salt = hash_keys(hash_text(name), Key(seed));
@@ -263,6 +260,20 @@ std::shared_ptr<const Part> PartLibrary::build_scatter(const std::string& name, 
     params.error("scale", error.what());
     return nullptr;
   }
+}
+
+std::shared_ptr<const Model> PartLibrary::build_ground(const std::string& on, const Value& value, int levels,
+                                                       int seed) {
+  const auto known = grounds_.find({on, levels, seed});
+  if (known != grounds_.end()) return known->second;
+  ModelContext context = *context_;
+  context.cells = {.leaf_faces = 64, .keeps_leaf_meshes = true};
+  context.levels = levels;
+  std::shared_ptr<const Model> ground = build_model(on, value, seed, context);
+  const TimeScope* const scope = TimeScope::current();
+  const bool may_change = scope && scope->was_read();
+  if (ground && !may_change) grounds_.emplace(std::tuple(on, levels, seed), ground);
+  return ground;
 }
 
 std::vector<Scatter::Choice> PartLibrary::read_choices(const Value& list, int seed) {

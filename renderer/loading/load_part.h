@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace meristem {
@@ -81,6 +82,7 @@ class PartLibrary {
   std::shared_ptr<const Part> build(const Variant& variant, const Value& value, Params& params);
   std::shared_ptr<const Part> build(const std::string& name, const Value& value, int seed);
   std::shared_ptr<const Part> build_scatter(const std::string& name, const Value& value, int seed);
+  std::shared_ptr<const Model> build_ground(const std::string& on, const Value& value, int levels, int seed);
   std::shared_ptr<const Part> build_group(const Value& value);
   std::vector<Scatter::Choice> read_choices(const Value& list, int seed);
   void add_object(const Value& value, std::vector<Placement>& placements);
@@ -92,6 +94,8 @@ class PartLibrary {
   const Shutter shutter_;
   bool moves_ = false;
   std::map<Variant, std::shared_ptr<const PartMoments>> built_;
+  // By name, levels and seed, of those that do not change: what stands on one shares its cells.
+  std::map<std::tuple<std::string, int, int>, std::shared_ptr<const Model>> grounds_;
   std::set<std::string> under_construction_;
   std::set<std::string> used_;
 };

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 namespace meristem {
 namespace {
@@ -81,6 +82,39 @@ TEST(Expansion, BoundsContainWhatComesOfAMeshThatIsBoundedInParts) {
     EXPECT_EQ(count_outside(*model, root, 0, model_bounds(*model), cells), 0);
     EXPECT_GT(cells, 100);
   }
+}
+
+// The keys of the faces of all leaves, each with those of its leaf.
+void add_leaves(const Model& model, const Expansion& e, std::map<Key, std::vector<Key>>& leaves, std::size_t& widest) {
+  if (!e.inner) {
+    const auto& keys = e.mesh.mesh.face_keys;
+    const std::vector<Key> own(keys.begin(), keys.begin() + e.mesh.owned_faces);
+    for (Key key : own) leaves[key] = own;
+    return;
+  }
+  widest = std::max(widest, e.inner->child_count());
+  for (std::size_t i = 0; i < e.inner->child_count(); ++i)
+    add_leaves(model, expand(model, child_cell(model, *e.inner, i), e.inner->level), leaves, widest);
+}
+
+// Of wide ground only what is near a ray is expanded; what its leaves are does not depend on that.
+TEST(Expansion, WideGroundIsSplitTwice) {
+  const Mesh base = shapes::bumpy_grid(40);
+  CellSettings settings{.leaf_faces = 16, .keeps_leaf_meshes = true};
+  const auto wide = bumpy_model(base, 2, 0.3, settings);
+  std::map<Key, std::vector<Key>> leaves;
+  std::size_t widest = 0;
+  add_leaves(*wide, expand(*wide, root_cell(*wide), 0), leaves, widest);
+  EXPECT_EQ(leaves.size(), 16u * base.face_count());
+  EXPECT_GT(base.face_count(), 1024u);
+  EXPECT_LT(widest, 200u);
+  // One face of the base is one leaf, and in the order of its own refinement
+  std::set<std::vector<Key>> distinct;
+  for (const auto& [key, leaf] : leaves) {
+    EXPECT_EQ(leaf.size(), 16u);
+    distinct.insert(leaf);
+  }
+  EXPECT_EQ(distinct.size(), base.face_count());
 }
 
 TEST(Expansion, BoundsAreNotLoose) {

@@ -44,7 +44,8 @@ ScatterSettings settings(const char* density, const char* scale) {
 
 std::vector<Placement> placed(const Scatter& scatter, const CellMesh& ground) {
   std::vector<Placement> list;
-  scatter.place(ground, 0, list);
+  const auto furnishing = scatter.furnish(ground, 0);
+  furnishing->place(0, furnishing->face_count(), list);
   return list;
 }
 
@@ -141,6 +142,67 @@ TEST(Scatter, NothingReachesBeyondItsReach) {
     EXPECT_LT(scatter.reach().lower.y, there.lower.y);
     EXPECT_GT(scatter.reach().upper.y, there.upper.y);
   }
+}
+
+TEST(Scatter, BareGroundIsKnownByItsBox) {
+  const Scatter scatter(settings("P[0] < 50 ? 0.2 : 0", "1"), {{cube(), 1}}, 1);
+  EXPECT_TRUE(scatter.leaves_bare({{60, -5, 0}, {90, 5, 100}}));
+  EXPECT_FALSE(scatter.leaves_bare({{40, -5, 0}, {90, 5, 100}}));
+}
+
+TEST(Scatter, FacesMayBeFurnishedOneByOne) {
+  const Scatter scatter(settings("0.05", "1 + rand()"), {{cube(), 1}}, 1);
+  const auto furnishing = scatter.furnish(meadow(), 0);
+  std::vector<Placement> one_by_one;
+  for (std::uint32_t f = 0; f < furnishing->face_count(); ++f) {
+    const std::size_t before = one_by_one.size();
+    furnishing->place(f, f + 1, one_by_one);
+    EXPECT_EQ(one_by_one.size() - before, furnishing->most_on(f));
+  }
+  const auto all = placed(scatter, meadow());
+  ASSERT_EQ(all.size(), one_by_one.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i].to_parent, one_by_one[i].to_parent);
+    EXPECT_EQ(all[i].individual, one_by_one[i].individual);
+  }
+}
+
+bool holds(const Bounds3f& bounds, const Placement& p) { return bounds.contains(bounds_in_parent(p, p.part->bounds)); }
+
+// Where a cube is seen smaller than `distinct` pixels its variant stands.
+TEST(Scatter, ReachIsKnownByKindWhereVariantsStand) {
+  ScatterSettings s = settings("0.05", "1 + rand()");
+  s.variants = 3;
+  s.distinct = 10;
+  s.sink = 0.25;
+  const auto small = cube();
+  const auto large = std::make_shared<const Part>(
+      std::make_shared<const Model>("large", shapes::cube(4), std::vector<std::unique_ptr<Step>>{}));
+  const Scatter scatter(s, {{small, 1}, {large, 1}}, 3);
+  const auto furnishing = scatter.furnish(meadow(), 0);
+  const Bounds3f ground = furnishing->ground_bounds();
+  const ConstantFootprint near(0.1), far(3);
+  EXPECT_TRUE(scatter.reach_on(ground, nullptr, 0)->kinds.empty());
+  EXPECT_TRUE(scatter.reach_on(ground, &near, 0)->kinds.empty());
+  const auto reach = scatter.reach_on(ground, &far, 0);
+  EXPECT_EQ(reach->kinds.size(), 6u);
+  const Bounds3f everywhere = bounds_with_reach(ground, reach->all);
+  double volumes = 0, general_volumes = 0;
+  for (std::uint32_t f = 0; f < furnishing->face_count(); ++f) {
+    const Bounds3f bounds = furnishing->bounds(f, f + 1, *reach), loose = furnishing->bounds(f, f + 1, {reach->all});
+    std::vector<Placement> placements;
+    furnishing->place(f, f + 1, placements);
+    EXPECT_EQ(bounds.empty(), placements.empty());
+    for (const Placement& p : placements) {
+      EXPECT_TRUE(holds(bounds, p));
+      EXPECT_TRUE(holds(loose, p));
+      EXPECT_TRUE(holds(everywhere, p));
+    }
+    if (placements.empty()) continue;
+    volumes += double(bounds.surface_area());
+    general_volumes += double(loose.surface_area());
+  }
+  EXPECT_LT(volumes, 0.8 * general_volumes);
 }
 
 TEST(Scatter, ScaleNeedsABound) { EXPECT_THROW(Scatter(settings("1", "P[0]"), {{cube(), 1}}, 0), std::runtime_error); }
