@@ -19,7 +19,8 @@ struct MadeCell {
   std::int32_t symbol;  // of its first face
   const Expansion& expansion;
   double start_s, built_from_s;  // by ExpansionCounts::now_s(); from built_from_s until now trees were built
-  Bounds3f bounds, real_bounds;  // before and after
+  Bounds3f bounds;               // before,
+  Bounds3f real_bounds = {};     // and after
 };
 
 class ExpansionCounts {

@@ -111,36 +111,41 @@ bool LazyRoot::note_child_anew(CellEntry& parent, std::size_t index, float entry
   return note_anew(parent.proxies().knows(index), child_name(parent, index), entry, ray, search);
 }
 
-// Never throws: a cell that cannot be expanded becomes its box, once, counted and reported.
-template <class Cut>
-std::unique_ptr<CacheEntry> LazyRoot::make_entry(const Cut& cut, int level, const Bounds3f& bounds, Key key) const {
+// What `make` makes. Never throws: a cell that cannot be expanded becomes its box, once, counted and reported.
+template <class Make>
+std::unique_ptr<CacheEntry> LazyRoot::or_as_box(const Bounds3f& bounds, Key key, const Make& make) const {
   try {
-    const double start_s = counts_.now_s();
-    if (source_.part->placer) {
-      bool is_new = false;
-      const auto ground = expanded_ground(cut, level, key, is_new);
-      const double built_from_s = counts_.now_s();
-      auto entry = ground_entry(ground->expansion, bounds, key, level);
-      const Expansion nothing;  // was done if it is known
-      counts_.add({model(), level, hash_keys(key, identity()), ground->symbol, is_new ? ground->expansion : nothing,
-                   start_s, built_from_s, bounds, static_cast<const CellEntry&>(*entry).real_bounds()},
-                  *entry);
-      return entry;
-    }
-    CellMesh mesh = cut();
-    const std::int32_t symbol = mesh.mesh.origins[mesh.mesh.face_origins[0]].symbol;
-    Expansion expansion = expand(model(), std::move(mesh), level);
-    const double built_from_s = counts_.now_s();
-    auto entry = entry_of(expansion, bounds, key, level);
-    const Bounds3f& real_bounds = static_cast<const CellEntry&>(*entry).real_bounds();
-    counts_.add(
-        {model(), level, hash_keys(key, identity()), symbol, expansion, start_s, built_from_s, bounds, real_bounds},
-        *entry);
-    return entry;
+    return make();
   } catch (const std::exception& error) {
     counts_.add_defect(fmt::format("a cell of model \"{}\" could not be expanded: {}", model().name(), error.what()));
     return std::make_unique<CellEntry>(std::make_unique<SurfacePatch>(box_of(bounds, key)), key);
   }
+}
+
+template <class Cut>
+std::unique_ptr<CacheEntry> LazyRoot::make_entry(const Cut& cut, int level, const Bounds3f& bounds, Key key) const {
+  return or_as_box(bounds, key, [&]() -> std::unique_ptr<CacheEntry> {
+    if (source_.part->placer) return make_ground_entry(cut, level, bounds, key);
+    const double start_s = counts_.now_s();
+    ExpandedCell cell = expanded(cut, level);
+    const double built_from_s = counts_.now_s();
+    auto entry = entry_of(cell.expansion, bounds, key, level);
+    count({model(), level, hash_keys(key, identity()), cell.symbol, cell.expansion, start_s, built_from_s, bounds},
+          *entry);
+    return entry;
+  });
+}
+
+void LazyRoot::count(MadeCell cell, CacheEntry& entry) const {
+  cell.real_bounds = static_cast<const CellEntry&>(entry).real_bounds();
+  counts_.add(cell, entry);
+}
+
+template <class Cut>
+ExpandedCell LazyRoot::expanded(const Cut& cut, int level) const {
+  CellMesh mesh = cut();
+  const std::int32_t symbol = mesh.mesh.origins[mesh.mesh.face_origins[0]].symbol;
+  return {expand(model(), std::move(mesh), level), symbol};
 }
 
 std::unique_ptr<CacheEntry> LazyRoot::make_root_entry() const {
@@ -176,17 +181,25 @@ Key LazyRoot::child_name(const CellEntry& parent, std::size_t index) const {
 }
 
 std::unique_ptr<CacheEntry> LazyRoot::make_child_entry(const CellEntry& parent, std::size_t index) const {
-  if (const Grove* grove = parent.grove()) return make_group_entry(*grove, index);
+  if (parent.grove()) return make_group_entry(parent, index);
   const InnerCell& inner = *parent.inner();
   if (auto entry = kept_surface(child_name(parent, index), inner.child_keys[index])) return entry;
   return make_entry([&] { return child_cell(model(), inner, index); }, inner.level, inner.child_bounds[index],
                     inner.child_keys[index]);
 }
 
-std::unique_ptr<CacheEntry> LazyRoot::make_group_entry(const Grove& grove, std::size_t group) const {
-  auto entry = placed(grove.placements(group), grove.first_number(group));
-  check_bounds(grove.bounds()[group], entry->real_bounds());
-  return entry;
+std::unique_ptr<CacheEntry> LazyRoot::make_group_entry(const CellEntry& parent, std::size_t group) const {
+  const Grove& grove = *parent.grove();
+  const Bounds3f& bounds = grove.bounds()[group];
+  const Key key = child_name(parent, group);
+  return or_as_box(bounds, key, [&]() -> std::unique_ptr<CacheEntry> {
+    constexpr std::int32_t no_symbol = -1;
+    const double start_s = counts_.now_s();
+    auto entry = placed(grove.placements(group), grove.first_number(group));
+    check_bounds(bounds, entry->real_bounds());
+    count({model(), model().levels(), key, no_symbol, {}, start_s, start_s, bounds}, *entry);
+    return entry;
+  });
 }
 
 // A cell that was a surface when it was evicted; nullptr if it has to be expanded.
@@ -224,18 +237,25 @@ std::unique_ptr<CacheEntry> LazyRoot::split_entry(std::unique_ptr<InnerCell> inn
   return entry;
 }
 
-// Of the cell of ground that `cut` cuts out, as any root that has this model for its ground expands it; whether it has
-// just been.
+// What a cell of ground expands to is the same for any root that has this model for its ground: it is expanded once for
+// those that come to it soon after each other.
 template <class Cut>
-std::shared_ptr<const ExpandedGround> LazyRoot::expanded_ground(const Cut& cut, int level, Key key,
-                                                                bool& is_new) const {
+std::unique_ptr<CacheEntry> LazyRoot::make_ground_entry(const Cut& cut, int level, const Bounds3f& bounds,
+                                                        Key key) const {
+  const double start_s = counts_.now_s();
   const ShapeName name{hash_keys(key, Key(level), source_.individual), std::bit_cast<std::uintptr_t>(&model())};
-  return roots_.grounds().get(name, [&] {
+  bool is_new = false;
+  const auto ground = roots_.grounds().get(name, [&] {
     is_new = true;
-    CellMesh mesh = cut();
-    const std::int32_t symbol = mesh.mesh.origins[mesh.mesh.face_origins[0]].symbol;
-    return std::make_shared<const ExpandedGround>(ExpandedGround{expand(model(), std::move(mesh), level), symbol});
+    return std::make_shared<const ExpandedCell>(expanded(cut, level));
   });
+  const double built_from_s = counts_.now_s();
+  auto entry = ground_entry(ground->expansion, bounds, key, level);
+  const Expansion nothing;
+  count({model(), level, hash_keys(key, identity()), ground->symbol, is_new ? ground->expansion : nothing, start_s,
+         built_from_s, bounds},
+        *entry);
+  return entry;
 }
 
 std::unique_ptr<CacheEntry> LazyRoot::ground_entry(const Expansion& expansion, const Bounds3f& bounds, Key key,

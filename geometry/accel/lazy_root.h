@@ -50,7 +50,12 @@ class LazyRoot final : public ModelRoot {
   template <class Cut>
   std::unique_ptr<CacheEntry> make_entry(const Cut& cut, int level, const Bounds3f& bounds, Key key) const;
   template <class Cut>
-  std::shared_ptr<const ExpandedGround> expanded_ground(const Cut& cut, int level, Key key, bool& is_new) const;
+  std::unique_ptr<CacheEntry> make_ground_entry(const Cut& cut, int level, const Bounds3f& bounds, Key key) const;
+  template <class Make>
+  std::unique_ptr<CacheEntry> or_as_box(const Bounds3f& bounds, Key key, const Make& make) const;
+  template <class Cut>
+  ExpandedCell expanded(const Cut& cut, int level) const;
+  void count(MadeCell cell, CacheEntry& entry) const;
   std::unique_ptr<CacheEntry> ground_entry(const Expansion& expansion, const Bounds3f& bounds, Key key,
                                            int level) const;
   std::unique_ptr<CacheEntry> split_entry(std::unique_ptr<InnerCell> inner, Key key, int level) const;
@@ -58,7 +63,7 @@ class LazyRoot final : public ModelRoot {
   std::unique_ptr<CacheEntry> kept_surface(Key name, Key key) const;
   std::unique_ptr<CellEntry> surface_entry(std::unique_ptr<SurfacePatch> patch, Key key) const;
   std::unique_ptr<CacheEntry> make_child_entry(const CellEntry& parent, std::size_t index) const;
-  std::unique_ptr<CacheEntry> make_group_entry(const Grove& grove, std::size_t group) const;
+  std::unique_ptr<CacheEntry> make_group_entry(const CellEntry& parent, std::size_t group) const;
   Bounds3f furnished_bounds(const Bounds3f& ground) const;
   std::unique_ptr<CellEntry> furnished(const CellMesh& ground) const;
   std::unique_ptr<CellEntry> placed(const std::vector<Placement>& placements, std::uint32_t first = 0) const;

@@ -13,8 +13,8 @@
 
 namespace meristem {
 
-// What a cell of ground expands to, before anything is placed on it.
-struct ExpandedGround {
+// What a cell expands to; of ground, before anything is placed on it.
+struct ExpandedCell {
   Expansion expansion;
   std::int32_t symbol;  // of its first face
 
@@ -24,7 +24,7 @@ struct ExpandedGround {
 };
 
 // The whole of a wide ground takes some megabytes.
-using GroundTable = PlanTable<ExpandedGround, std::size_t(16) << 20>;
+using GroundTable = PlanTable<ExpandedCell, std::size_t(16) << 20>;
 
 class Roots {
  public:

@@ -232,6 +232,7 @@ std::shared_ptr<const PlacedReach> Scatter::reach_on(const Bounds3f& ground, con
       settings_.distinct == 0 || typical_size_ < settings_.distinct * size_of_step(first.step) * (1 - rounding);
   if (!all_are_small || last - first.step >= most_steps) return general;
   const std::lock_guard lock(mutex_);
+  forget_if_many();
   std::shared_ptr<const PlacedReach>& known = reaches_[{first, last}];
   if (known) return known;
   PlacedReach reach;
@@ -246,6 +247,15 @@ std::shared_ptr<const PlacedReach> Scatter::reach_on(const Bounds3f& ground, con
   constexpr float margin = 1e-3f;  // far from the origin sums with a place are rounded
   reach.all = reach.all.inflated(Vec3f(margin * reach.all.diagonal()));
   return known = std::make_shared<const PlacedReach>(std::move(reach));
+}
+
+// Individuals may be as many as the ground has placements.
+void Scatter::forget_if_many() const {
+  constexpr std::size_t most_known = 1 << 16;  // boxes, of 24 bytes
+  const std::size_t kinds = choices_.size() * std::size_t(settings_.variants);
+  if ((variant_bounds_.size() + reaches_.size()) * kinds <= most_known) return;
+  variant_bounds_.clear();
+  reaches_.clear();
 }
 
 bool Scatter::leaves_bare(const Bounds3f& ground) const {

@@ -68,6 +68,7 @@ class Scatter final : public Placer {
   void measure_variants();
   Bounds3f reach_of(const Bounds3f& part, double scale) const;
   const std::vector<Bounds3f>& variant_bounds(const SeenAs& seen_as) const;
+  void forget_if_many() const;  // needs mutex_
   Placement placement(Vec3d position, Vec3d normal, double scale, Key key) const;
 
   const ScatterSettings settings_;
@@ -80,12 +81,12 @@ class Scatter final : public Placer {
   // By kind(), if variants are few, keep still, and are not derived anyway.
   std::vector<Bounds3f> known_bounds_;
   PlacedReach reach_;
-  Bounds3f typical_reach_;   // of the boxes by which placed_footprint() decides
-  double typical_size_ = 0;  // the largest side of one of these
-  mutable std::mutex mutex_;
+  Bounds3f typical_reach_;                                          // of the boxes by which placed_footprint() decides
+  double typical_size_ = 0;                                         // the largest side of one of these
+  mutable std::mutex mutex_;                                        // held for a look-up at each box of ground
   mutable std::map<SeenAs, std::vector<Bounds3f>> variant_bounds_;  // by kind(); guarded by mutex_
-  mutable std::map<std::pair<SeenAs, int>, std::shared_ptr<const PlacedReach>>
-      reaches_;  // up to a step; guarded by mutex_
+  // Up to a step; guarded by mutex_
+  mutable std::map<std::pair<SeenAs, int>, std::shared_ptr<const PlacedReach>> reaches_;
 };
 
 }  // namespace meristem

@@ -2,7 +2,6 @@
 // Reads the parameters from, to, up, fov, shift_x, shift_y. Immutable; any thread.
 #pragma once
 
-#include "renderer/cameras/footprint_range.h"
 #include "renderer/scene/interfaces.h"
 
 namespace meristem {
@@ -25,7 +24,7 @@ class Perspective {
   // is the exact projection. Outside, the depth is that on the cone's edge at the same distance, and the size grows by
   // the factor 1 + 2 * (radians outside): what only mirrors and shadows see need not be as fine. Continuous everywhere.
   float footprint(Vec3f position, int width, int height) const;
-  // Bounds on it in a sphere, as FootprintRange has it: known unless the sphere is near.
+  // Bounds on it in a sphere, as Camera has it: known unless the sphere is near.
   std::pair<float, float> footprint_range(Vec3f center, float radius, int width, int height) const;
 
  private:

@@ -7,7 +7,7 @@
 namespace meristem {
 namespace {
 
-class Pinhole : public Camera, public FootprintRange {
+class Pinhole : public Camera {
  public:
   explicit Pinhole(Params& params) : perspective_(params) {}
 

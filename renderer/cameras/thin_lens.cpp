@@ -9,7 +9,7 @@
 namespace meristem {
 namespace {
 
-class ThinLens : public Camera, public FootprintRange {
+class ThinLens : public Camera {
  public:
   explicit ThinLens(Params& params) : perspective_(params) {
     const double radius = params.real("aperture_radius", 0, {0, 1e6, "m"}, "radius of the opening; 0: from f_stop");

@@ -3,7 +3,6 @@
 #include "geometry/base/parallel.h"
 #include "geometry/base/sha256.h"
 #include "geometry/fields/time.h"
-#include "renderer/cameras/footprint_range.h"
 #include "renderer/cameras/moving_camera.h"
 #include "renderer/language/override.h"
 #include "renderer/language/scene_file.h"
@@ -31,7 +30,6 @@ class CameraFootprint final : public Footprint {
  public:
   CameraFootprint(const Scene& scene, double detail)
       : camera_(*scene.camera),
-        range_(dynamic_cast<const FootprintRange*>(scene.camera.get())),
         width_(scene.settings.width),
         height_(scene.settings.height),
         detail_(detail),
@@ -41,8 +39,7 @@ class CameraFootprint final : public Footprint {
     return wanted(camera_.footprint_at(Vec3f(position), share_of_shutter(time), width_, height_));
   }
   Range range(const Bounds3d& box) const override {
-    if (!range_) return {};
-    const auto [least, most] = range_->footprint_range(Vec3f(box.center()), float(box.diagonal() / 2), width_, height_);
+    const auto [least, most] = camera_.footprint_range(Vec3f(box.center()), float(box.diagonal() / 2), width_, height_);
     return {wanted(least), wanted(most)};
   }
   bool fades() const override { return fades_; }
@@ -54,7 +51,6 @@ class CameraFootprint final : public Footprint {
   }
 
   const Camera& camera_;
-  const FootprintRange* const range_;  // null: the camera knows none
   const int width_, height_;
   const double detail_;  // pixels
   const bool fades_;

@@ -10,9 +10,11 @@
 #include "renderer/scene/light_bounds.h"
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace meristem {
@@ -57,6 +59,11 @@ class Camera {
   virtual float footprint_at(Vec3f position, float time, int width, int height) const {
     (void)time;
     return footprint(position, width, height);
+  }
+  // Bounds on footprint() in a sphere, the lower first: from 0 to infinity where they are not known.
+  virtual std::pair<float, float> footprint_range(Vec3f center, float radius, int width, int height) const {
+    (void)center, (void)radius, (void)width, (void)height;
+    return {0.f, std::numeric_limits<float>::infinity()};
   }
   // By how much a pixel grows with the distance along one of its rays.
   virtual float spread(const Ray& ray, int width, int height) const {

@@ -1,4 +1,3 @@
-#include "renderer/cameras/footprint_range.h"
 #include "tests/support/component.h"
 
 #include <gtest/gtest.h>
@@ -72,21 +71,20 @@ TEST(Pinhole, FootprintIsTheDistanceBetweenNeighbouringPixels) {
 
 TEST(Pinhole, FootprintsInASphereStayInTheirRange) {
   const auto camera = make<Camera>(register_pinhole, "{" + view + R"(, "shift_y": 0.25 })");
-  const auto& range = dynamic_cast<const FootprintRange&>(*camera);
   auto random = [i = Key(0)]() mutable { return 2 * uniform_double(hash_keys(5, ++i)) - 1; };
   const auto random_vector = [&] { return Vec3f(Vec3d{random(), random(), random()}); };
   int known = 0;
   for (int i = 0; i < 300; ++i) {
     const Vec3f center = random_vector() * 100.f;
     const float radius = float(10 * (1 + random()));
-    const auto [least, most] = range.footprint_range(center, radius, width, height);
+    const auto [least, most] = camera->footprint_range(center, radius, width, height);
     known += least > 0;
     for (int k = 0; k < 100; ++k) {
       const float footprint = camera->footprint(center + random_vector() * (radius / std::sqrt(3.f)), width, height);
       EXPECT_LE(least, footprint);
       EXPECT_GE(most, footprint);
     }
-    const auto far = range.footprint_range(center * 1000.f, radius, width, height);
+    const auto far = camera->footprint_range(center * 1000.f, radius, width, height);
     EXPECT_LT(far.second, 1.02f * far.first);
   }
   EXPECT_GT(known, 250);
