@@ -39,12 +39,12 @@ float MovingCamera::footprint(Vec3f position, int width, int height) const {
 }
 
 // Seen from where the nearest key stands, not from where the ray does.
-float MovingCamera::spread(const Ray& ray, int width, int height) const {
+PixelCone MovingCamera::cone(const Ray& ray, int width, int height) const {
   const Camera& key = nearest(ray.time);
   const CameraSample center{{0.5f * float(width), 0.5f * float(height)}, {0.5f, 0.5f}};
   Ray from_key = ray;
   from_key.origin = key.ray(center, width, height).origin;
-  return key.spread(from_key, width, height);
+  return key.cone(from_key, width, height);
 }
 
 }  // namespace meristem

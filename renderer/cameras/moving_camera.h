@@ -19,7 +19,8 @@ class MovingCamera final : public Camera {
   // The least of the times of a Footprint.
   float footprint(Vec3f position, int width, int height) const override;
   float footprint_at(Vec3f position, float time, int width, int height) const override;
-  float spread(const Ray& ray, int width, int height) const override;
+  PixelCone cone(const Ray& ray, int width, int height) const override;
+  bool has_axis() const override { return keys_[0]->has_axis(); }
   std::optional<Vec2f> project(Vec3d position, int width, int height) const override {
     return keys_[0]->project(position, width, height);
   }

@@ -5,30 +5,10 @@
 
 namespace meristem {
 
-Perspective::Perspective(Params& params) {
-  const Vec3d from = params.vector("from", {0, 1.5, 6}, {-1e9, 1e9, "m"}, "where the camera stands");
-  const Vec3d to = params.vector("to", {0, 1, 0}, {-1e9, 1e9, "m"}, "the point in the middle of the image");
-  const Vec3d up = params.vector("up", {0, 1, 0}, any_range, "the direction that points up in the image");
+Perspective::Perspective(Params& params) : frame_(params, {0, 1.5, 6}, {0, 1, 0}) {
   const double fov = params.real("fov", 40, {0.01, 170, "deg"}, "vertical field of view");
   shift_x_ = float(params.real("shift_x", 0, {-10, 10, ""}, "shift of the image to the right, in image heights"));
   shift_y_ = float(params.real("shift_y", 0, {-10, 10, ""}, "shift of the image upwards, in image heights"));
-
-  Vec3d forward = normalize(to - from);
-  if (length_squared(forward) == 0) {
-    params.error("to", "the camera looks at the point where it stands: \"to\" must differ from \"from\"");
-    forward = {0, 0, -1};
-  }
-  Vec3d right = normalize(cross(forward, normalize(up)));
-  if (length_squared(right) == 0) {
-    params.error("up", "\"up\" must not be zero or parallel to the view direction");
-    Vec3d unused;
-    orthonormal_basis(forward, right, unused);
-  }
-  target_ = to;
-  origin_ = Vec3f(from);
-  forward_ = Vec3f(forward);
-  right_ = Vec3f(right);
-  up_ = Vec3f(cross(right, forward));
   half_height_ = float(std::tan(fov * pi / 360));
 }
 
@@ -39,12 +19,11 @@ Vec3f Perspective::image_point(Vec2f film, int width, int height) const {
 }
 
 std::optional<Vec2f> Perspective::project(Vec3d position, int width, int height) const {
-  const Vec3d v = position - Vec3d(origin_);
-  const double z = dot(v, Vec3d(forward_));
-  if (!(z > 0)) return std::nullopt;
-  const double image_height = 2 * double(half_height_), scale = double(height) / (image_height * z);
-  return Vec2f(float(0.5 * width + dot(v, Vec3d(right_)) * scale - double(shift_x_) * height),
-               float(0.5 * height - dot(v, Vec3d(up_)) * scale + double(shift_y_) * height));
+  const Vec3d v = frame_.to_view(position);
+  if (!(v.z > 0)) return std::nullopt;
+  const double image_height = 2 * double(half_height_), scale = double(height) / (image_height * v.z);
+  return Vec2f(float(0.5 * width + v.x * scale - double(shift_x_) * height),
+               float(0.5 * height - v.y * scale + double(shift_y_) * height));
 }
 
 namespace {
@@ -67,11 +46,11 @@ float Perspective::cone_tangent_squared(int width, int height) const {
 // By distance and by angle from the view direction: it grows with the one, and with the other it shrinks up to the edge
 // of the cone and grows from there on.
 std::pair<float, float> Perspective::footprint_range(Vec3f center, float radius, int width, int height) const {
-  const Vec3d v = Vec3d(center) - Vec3d(origin_);
+  const Vec3d v = Vec3d(center) - Vec3d(origin());
   const double distance = length(v), r = double(radius) + 1e-6 * length(Vec3d(center));
   if (!(distance > 2 * r)) return {0.f, std::numeric_limits<float>::infinity()};
   const double cone = std::atan(std::sqrt(double(cone_tangent_squared(width, height))));
-  const double angle = std::acos(std::clamp(dot(v, Vec3d(forward_)) / distance, -1.0, 1.0));
+  const double angle = std::acos(std::clamp(dot(v, Vec3d(frame_.forward())) / distance, -1.0, 1.0));
   const double turn = std::asin(r / distance), from = std::max(angle - turn, 0.0), to = std::min(angle + turn, pi);
   const auto depth = [&](double a) { return a <= cone ? std::cos(a) : std::cos(cone) * (1 + 2 * (a - cone)); };
   const double pixel = 2 * double(half_height_) / height;
@@ -81,8 +60,8 @@ std::pair<float, float> Perspective::footprint_range(Vec3f center, float radius,
 }
 
 float Perspective::footprint(Vec3f position, int width, int height) const {
-  const Vec3f v = position - origin_;
-  const float z = dot(v, forward_), distance_squared = dot(v, v);
+  const Vec3f v = position - origin();
+  const float z = dot(v, frame_.forward()), distance_squared = dot(v, v);
   const float pixel = 2 * half_height_ / float(height);
   const float secant_squared = 1 + cone_tangent_squared(width, height);
   if (z >= 0 && z * z * secant_squared >= distance_squared) return pixel * z;

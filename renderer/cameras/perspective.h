@@ -2,7 +2,7 @@
 // Reads the parameters from, to, up, fov, shift_x, shift_y. Immutable; any thread.
 #pragma once
 
-#include "renderer/scene/interfaces.h"
+#include "renderer/cameras/view_frame.h"
 
 namespace meristem {
 
@@ -10,15 +10,15 @@ class Perspective {
  public:
   explicit Perspective(Params& params);
 
-  Vec3f origin() const { return origin_; }
-  Vec3d target() const { return target_; }  // `to`
+  Vec3f origin() const { return frame_.origin(); }
+  Vec3d target() const { return frame_.target(); }
   // The point of the image plane at depth 1 behind a film position, as a vector from origin(): right, up, forward.
   Vec3f image_point(Vec2f film, int width, int height) const;
-  Vec3f to_world(Vec3f v) const { return right_ * v.x + up_ * v.y + forward_ * v.z; }
+  Vec3f to_world(Vec3f v) const { return frame_.to_world(v); }
   // The film position behind which a world position lies; nothing if it is not in front.
   std::optional<Vec2f> project(Vec3d position, int width, int height) const;
   // Depth of a world position along the view direction.
-  float depth(Vec3f position) const { return dot(position - origin_, forward_); }
+  float depth(Vec3f position) const { return dot(position - origin(), frame_.forward()); }
 
   // The side of a pixel at the depth of `position`. Inside the smallest cone around the axis that holds the image this
   // is the exact projection. Outside, the depth is that on the cone's edge at the same distance, and the size grows by
@@ -30,8 +30,7 @@ class Perspective {
  private:
   float cone_tangent_squared(int width, int height) const;  // of the cone that holds the image
 
-  Vec3d target_;
-  Vec3f origin_, right_, up_, forward_;
+  ViewFrame frame_;
   float half_height_ = 0;            // of the image plane at depth 1
   float shift_x_ = 0, shift_y_ = 0;  // in image heights
 };

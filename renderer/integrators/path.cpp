@@ -146,8 +146,10 @@ class Walk {
   void begin(const Ray& ray) {
     ++counts_.camera;
     s_.last_vertex = {ray.origin, {}};
-    if (path_.cones() && scene_.camera)
-      s_.spread = scene_.camera->spread(ray, scene_.settings.width, scene_.settings.height);
+    if (path_.cones() && scene_.camera) {
+      const PixelCone cone = scene_.camera->cone(ray, scene_.settings.width, scene_.settings.height);
+      s_.width = cone.width, s_.spread = cone.spread;
+    }
     fly(ray);
   }
 

@@ -93,11 +93,16 @@ MeshCamera mesh_camera(const Scene& scene) {
     return scene.camera->ray({{x * float(width), y * float(height)}, {0.5f, 0.5f}}, width, height);
   };
   const Ray center = ray(0.5f, 0.5f), top = ray(0.5f, 0), bottom = ray(0.5f, 1);
-  const Vec3d back = -normalize(Vec3d(center.direction)), up_there = Vec3d(top.direction - bottom.direction);
+  const bool is_parallel = top.direction == bottom.direction;
+  const Vec3d back = -normalize(Vec3d(center.direction));
+  const Vec3d up_there(is_parallel ? top.origin - bottom.origin : top.direction - bottom.direction);
   const Vec3d right = normalize(cross(up_there, back));
   MeshCamera camera;
   camera.to_world = {right, cross(back, right), back, Vec3d(center.origin)};
-  camera.vertical_fov = std::acos(std::clamp(double(dot(top.direction, bottom.direction)), -1.0, 1.0));
+  constexpr double widest = 170 * pi / 180;  // of what sees all around
+  camera.vertical_fov =
+      std::min(std::acos(std::clamp(double(dot(top.direction, bottom.direction)), -1.0, 1.0)), widest);
+  if (is_parallel) camera.height = length(up_there);
   camera.aspect = double(width) / double(height);
   return camera;
 }

@@ -129,6 +129,14 @@ class GlbWriter final : public MeshWriter {
     by_material_.clear();
   }
 
+  static std::string camera_text(const MeshCamera& camera) {
+    if (camera.height > 0)
+      return fmt::format(R"({{"type":"orthographic","orthographic":{{"xmag":{},"ymag":{},"znear":0.01,"zfar":1e9}}}})",
+                         camera.height * camera.aspect / 2, camera.height / 2);
+    return fmt::format(R"({{"type":"perspective","perspective":{{"yfov":{},"aspectRatio":{},"znear":0.01}}}})",
+                       camera.vertical_fov, camera.aspect);
+  }
+
   std::string json_text(std::span<const MaterialLook> materials, const MeshCamera& camera) {
     List accessors, meshes;
     for (const Surface& s : surfaces_) meshes.add(mesh_text(s, materials, accessors));
@@ -145,9 +153,7 @@ class GlbWriter final : public MeshWriter {
     std::string text = R"({"asset":{"version":"2.0","generator":"meristem"},)";
     text += R"("extensionsUsed":["KHR_materials_ior","KHR_materials_transmission","KHR_materials_emissive_strength"],)";
     text += fmt::format(R"("scene":0,"scenes":[{{"nodes":[{}]}}],"nodes":{},)", fmt::join(roots, ","), nodes_.text());
-    text += fmt::format(
-        R"("cameras":[{{"type":"perspective","perspective":{{"yfov":{},"aspectRatio":{},"znear":0.01}}}}],)",
-        camera.vertical_fov, camera.aspect);
+    text += fmt::format(R"("cameras":[{}],)", camera_text(camera));
     text += fmt::format(R"("materials":{})", material_list.text());
     if (surfaces_.empty()) return text + "}";
     return text + fmt::format(R"(,"meshes":{},"accessors":{},"bufferViews":[{}],"buffers":[{{"byteLength":{}}}]}})",

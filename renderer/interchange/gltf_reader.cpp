@@ -231,23 +231,31 @@ class GltfReader {
 
   void add_camera(const Value& index, const Value& node, const Affine3d& m) {
     const Value* camera = buffers_.item("cameras", &index);
-    const Value* perspective = camera ? camera->find("perspective") : nullptr;
-    if (!perspective) {
-      if (camera) diagnostics_.warning(camera->location, "a camera without perspective was left out");
-      return;
-    }
+    if (!camera) return;
+    const Value* perspective = camera->find("perspective");
+    const Value* parallel = camera->find("orthographic");
+    if (!perspective && !parallel)
+      return diagnostics_.warning(camera->location,
+                                  "a camera that is neither perspective nor orthographic was left out");
     const Value* name = node.find("name");
     std::string unique = name && !name->text.empty() ? name->text : "camera";
     while (std::ranges::find(scene_.cameras, unique, &Member::key) != scene_.cameras.end())
       unique = fmt::format("{}-{}", unique, scene_.cameras.size());
-    const double fov = std::clamp(gltf_number(perspective, "yfov", 0.7) * 180 / pi, 0.01, 170.0);
-    scene_.cameras.push_back({unique,
-                              {},
-                              json::object({{"from", tidy_vector(m.origin)},
-                                            {"to", tidy_vector(m.origin - m.z)},
-                                            {"up", tidy_vector(m.y)},
-                                            {"fov", tidy_number(fov)}})});
-    const double aspect = gltf_number(perspective, "aspectRatio", 16.0 / 9);
+    Value view =
+        json::object({{"from", tidy_vector(m.origin)}, {"to", tidy_vector(m.origin - m.z)}, {"up", tidy_vector(m.y)}});
+    double aspect = 16.0 / 9;
+    if (perspective) {
+      const double fov = std::clamp(gltf_number(perspective, "yfov", 0.7) * 180 / pi, 0.01, 170.0);
+      view.members.push_back({"fov", {}, tidy_number(fov)});
+      aspect = gltf_number(perspective, "aspectRatio", aspect);
+    } else {
+      const double half_height = gltf_number(parallel, "ymag", 1), half_width = gltf_number(parallel, "xmag", 1);
+      const double height = std::clamp(2 * std::abs(half_height) * length(m.y), 1e-9, 1e9);
+      view.members.insert(view.members.begin(), {"type", {}, json::text("orthographic")});
+      view.members.push_back({"height", {}, tidy_number(height)});
+      aspect = std::abs(half_width / half_height);
+    }
+    scene_.cameras.push_back({unique, {}, std::move(view)});
     if (scene_.render.empty() && aspect > 0.01 && aspect < 100)
       scene_.render =
           json::object({{"size", json::array({json::number(std::round(720 * aspect)), json::number(720)})}}).members;

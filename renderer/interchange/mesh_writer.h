@@ -37,10 +37,11 @@ struct MeshTriangle {
   std::uint32_t material;
 };
 
-// A camera in the world; the image's vertical angle of view.
+// A camera in the world.
 struct MeshCamera {
   Affine3d to_world;  // it looks along -z, y upwards
   double vertical_fov = 0.7, aspect = 1;
+  double height = 0;  // of what is seen without perspective; 0: there is perspective
 };
 
 class MeshWriter {

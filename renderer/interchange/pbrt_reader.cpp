@@ -306,9 +306,13 @@ class PbrtReader {
 
   void camera(const std::string& type, PbrtParameters& params) {
     named_["camera"] = state_.to_world.inverse();
-    if (type != "perspective")
+    if (type != "perspective" && type != "orthographic")
       return diagnostics_.warning(statement_, fmt::format("the camera \"{}\" was left out", type));
     camera_to_world_ = named_["camera"];
+    if (type == "orthographic") {
+      camera_ = json::object({{"type", json::text("orthographic")}}).members;
+      return;
+    }
     fov_ = params.number("fov", 90);
     camera_ = json::object({{"type", json::text("pinhole")}}).members;
     if (const double radius = params.number("lensradius", 0); radius > 0) {
@@ -347,13 +351,17 @@ class PbrtReader {
   }
 
   void add_camera(const Affine3d& m) {
-    // The angle is that of the shorter side
-    const double half = std::tan(fov_ * pi / 360), aspect = double(width_) / double(height_);
-    const double vertical = 360 / pi * std::atan(aspect >= 1 ? half : half / aspect);
     camera_.push_back({"from", {}, tidy_vector(m.origin)});
     camera_.push_back({"to", {}, tidy_vector(m.origin + m.z)});
     camera_.push_back({"up", {}, tidy_vector(m.y)});
-    camera_.push_back({"fov", {}, tidy_number(std::clamp(vertical, 0.01, 170.0))});
+    // The angle, or the size, is that of the shorter side
+    const double aspect = double(width_) / double(height_), higher = aspect >= 1 ? 1 : 1 / aspect;
+    if (camera_[0].value.text == "orthographic") {
+      camera_.push_back({"height", {}, tidy_number(std::clamp(2 * higher * length(m.y), 1e-9, 1e9))});
+    } else {
+      const double vertical = 360 / pi * std::atan(std::tan(fov_ * pi / 360) * higher);
+      camera_.push_back({"fov", {}, tidy_number(std::clamp(vertical, 0.01, 170.0))});
+    }
     Value value = json::object({});
     value.members = camera_;
     scene_.cameras.push_back({"camera", {}, std::move(value)});

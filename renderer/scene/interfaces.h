@@ -45,6 +45,12 @@ struct CameraSample {
   float time = 0;  // of the shutter, [0, 1)
 };
 
+// The cone around a camera ray that a pixel sees: its width where the ray begins, and by how much it grows with the
+// distance.
+struct PixelCone {
+  float width = 0, spread = 0;
+};
+
 class Camera {
  public:
   virtual ~Camera() = default;
@@ -65,10 +71,11 @@ class Camera {
     (void)center, (void)radius, (void)width, (void)height;
     return {0.f, std::numeric_limits<float>::infinity()};
   }
-  // By how much a pixel grows with the distance along one of its rays.
-  virtual float spread(const Ray& ray, int width, int height) const {
-    return footprint(ray.origin + ray.direction, width, height);
+  virtual PixelCone cone(const Ray& ray, int width, int height) const {
+    return {0, footprint(ray.origin + ray.direction, width, height)};
   }
+  // Whether it looks along one axis, by which depth is measured; else it sees all around, and depth is distance.
+  virtual bool has_axis() const { return true; }
   // Where on the film a world position is seen when the shutter opens, from the middle of the lens; nothing if it is
   // not in front of the camera, or the camera does not know.
   virtual std::optional<Vec2f> project(Vec3d position, int width, int height) const {

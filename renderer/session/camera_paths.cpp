@@ -37,7 +37,8 @@ void CameraPaths::measure(FilmSample& sample) const {
   const SurfaceHit& hit = sample.first->hit;
   const float time = sample.first->time;
   const Ray axis = scene_.moves ? central_ray(scene_, time) : view_axis_;
-  sample.depth = dot(hit.position - axis.origin, axis.direction);
+  const Vec3f from_camera = hit.position - axis.origin;
+  sample.depth = scene_.camera->has_axis() ? dot(from_camera, axis.direction) : length(from_camera);
   const RenderSettings& s = scene_.settings;
   if (scene_.motion_vectors) sample.motion = scene_.motion_vectors->at(hit, time, *scene_.camera, s.width, s.height);
 }

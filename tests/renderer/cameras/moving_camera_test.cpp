@@ -48,10 +48,10 @@ TEST(MovingCamera, SpreadIsThatOfTheNearestKey) {
     keys.push_back(make<Camera>(register_pinhole, fmt::format(R"({{ "from": {}, "to": [0, 0, 0] }})", from)));
   const MovingCamera camera(std::move(keys));
   const auto still = make<Camera>(register_pinhole, R"({ "from": [0, 0, 5], "to": [0, 0, 0] })");
-  const float expected = still->spread(still->ray({{40, 60}, {}}, width, height), width, height);
+  const float expected = still->cone(still->ray({{40, 60}, {}}, width, height), width, height).spread;
   EXPECT_GT(expected, 0);
   for (const float time : {0.f, 0.3f, 0.9f})
-    EXPECT_NEAR(camera.spread(camera.ray({{40, 60}, {}, time}, width, height), width, height), expected, 1e-6f);
+    EXPECT_NEAR(camera.cone(camera.ray({{40, 60}, {}, time}, width, height), width, height).spread, expected, 1e-6f);
 }
 
 TEST(MovingCamera, ProjectsFromWhereItIsWhenTheShutterOpens) {

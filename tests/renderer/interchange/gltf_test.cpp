@@ -95,6 +95,25 @@ TEST(Gltf, RoundTrip) {
   EXPECT_EQ(gold.find("base_color")->text.substr(0, 4), "[1, ");
 }
 
+TEST(Gltf, ACameraWithoutPerspectiveStaysOne) {
+  const Folder folder("gltf");
+  std::string text = two_boxes;
+  const std::string perspective = R"("fov": 35)";
+  text.replace(text.find(perspective), perspective.size(), R"("type": "orthographic", "height": 3)");
+  const LoadedScene scene = load(folder.write("scene.jsonc", text), true);
+  export_scene(scene, *make_mesh_writer(folder.file("mesh.glb"), false, scene.scene->names.materials),
+               [](double, std::uint64_t) {});
+  AssetFolder assets(folder.file("again.jsonc"));
+  Diagnostics diagnostics;
+  const ForeignScene foreign = read_gltf(folder.file("mesh.glb"), assets, diagnostics);
+  ASSERT_EQ(foreign.cameras.size(), 1u);
+  const Value& camera = foreign.cameras[0].value;
+  EXPECT_EQ(camera.find("type")->text, "orthographic");
+  EXPECT_NEAR(camera.find("height")->number, 3, 1e-4);
+  const double from[] = {1, 2, 8};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(camera.find("from")->items[i].number, from[i], 1e-4);
+}
+
 constexpr const char* triangle = R"({
   "asset": { "version": "2.0" }, "scene": 0, "scenes": [ { "nodes": [ 0 ] } ],
   "nodes": [ { "children": [ 1, 2 ], "translation": [ 0, 1, 0 ] },

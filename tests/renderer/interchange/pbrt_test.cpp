@@ -106,6 +106,22 @@ TEST(Pbrt, SettingsAndMaterialsCarryOver) {
   EXPECT_DOUBLE_EQ(c.foreign.cameras[0].value.find("fov")->number, 60) << "of the shorter side";
 }
 
+// The shorter side shows from -1 to 1, in the camera's own units.
+TEST(Pbrt, ACameraWithoutPerspective) {
+  const Folder folder("pbrt");
+  std::string text = left_and_right;
+  text.replace(text.find("CAMERA"), 6, "Scale .25 .25 .25");
+  const std::string perspective = R"("perspective" "float fov" 60)";
+  text.replace(text.find(perspective), perspective.size(), R"("orthographic")");
+  const Converted c = convert(folder, text);
+  EXPECT_EQ(c.foreign.cameras[0].value.find("height")->number, 8);
+  const SurfaceHit triangle = seen(c.loaded, 0.5f + 2.f / 16, 0.5f), ball = seen(c.loaded, 0.5f - 2.f / 16, 0.5f);
+  ASSERT_TRUE(triangle.valid() && ball.valid());
+  EXPECT_NEAR(triangle.t, 5, 1e-3);
+  EXPECT_NEAR(ball.t, 4, 0.01);
+  EXPECT_FALSE(seen(c.loaded, 0.5f + 3.2f / 16, 0.5f).valid());
+}
+
 TEST(Pbrt, InstancesShareWhatTheyShow) {
   const Folder folder("pbrt");
   folder.write("part.pbrt", R"(Shape "bilinearmesh" "point3 P" [ 0 0 0  1 0 0  0 1 0  1 1 0 ])");
