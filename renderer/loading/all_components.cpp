@@ -36,7 +36,7 @@ Catalogue make_catalogue() {
        info_of("grid", "file", "a field of samples from a file", read_file_grid),
        info_of("grid", "model", "a field of samples: the distance from a model", read_model_grid),
        info_of("grid", "value", "a field of samples of an expression", read_value_grid),
-       info_of("section", "object", "a model placed in the world", read_object),
+       info_of("section", "object", "a model placed in the world", [](Params& p) { read_object(p); }),
        info_of("section", "medium", "matter between surfaces: mist, smoke, haze",
                [](Params& p) { ExpressionMedium medium(p); }),
        info_of("section", "render", "size, quality and memory of the image", read_render)});

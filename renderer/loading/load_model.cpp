@@ -59,8 +59,7 @@ class ModelBuilder {
   }
 
   Mesh build_base(const ModelSection& section, Params& params) {
-    const int material =
-        section.material.empty() ? 0 : context_.material_index(section.material, params.location_of("material"));
+    const int material = context_.material_index(section.material, params.location_of("material"));
     const auto shape = all_components().bases.create(*section.base, "", diagnostics_);
     if (!shape) return {};
     const Value* type = section.base->find("type");

@@ -20,8 +20,9 @@ ModelSection read_model(Params& params);
 
 // What a model needs of the scene around it.
 struct ModelContext {
-  std::function<int(const std::string& name, const Location& where)> material_index;  // reports unknown names itself
-  std::string folder;                                                                 // of the scene's assets
+  // Reports unknown names itself; the empty one is the default.
+  std::function<int(const std::string& name, const Location& where)> material_index;
+  std::string folder;  // of the scene's assets
   Diagnostics& diagnostics;
   CellSettings cells = {};
   int levels = 0;                                              // of the steps, if not all: 0

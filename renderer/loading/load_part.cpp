@@ -69,7 +69,7 @@ std::optional<Affine3d> read_matrix(Params& params) {
 
 }  // namespace
 
-ObjectSection read_object(Params& params) {
+ObjectSection read_object(Params& params, const MaterialNames::Check& check_material) {
   params.allow_time();
   ObjectSection section;
   section.model = params.required_text("model", "name of one of the file's models");
@@ -77,6 +77,7 @@ ObjectSection read_object(Params& params) {
   section.seed =
       params.integer("seed", 0, {0, 2147483647, ""}, "another seed grows another individual of the same kind");
   section.counts = read_step_counts(params);
+  section.materials = MaterialNames::read(params, check_material);
   const Vec3d position = params.vector("position", {0, 0, 0}, any_range, "where the model's origin stands, in metres");
   const Vec3d rotate =
       params.vector("rotate", {0, 0, 0}, {-1e7, 1e7, "deg"}, "turns about x, y and z: first z, then x, then y");
@@ -146,10 +147,11 @@ void PartLibrary::add_object(const Value& value, std::vector<Placement>& placeme
   Diagnostics& diagnostics = context_->diagnostics;
   const std::size_t found_before = diagnostics.list().size();
   Params params(value, "object", diagnostics);
-  const ObjectSection section = read_object(params);
+  const ObjectSection section = read_object(params, scene_.material_index);
   params.finish();
   const bool moves = opening.was_read() && shutter_.is_open() && diagnostics.list().size() == found_before;
-  const auto made = part({section.model, section.seed, section.counts}, params, "model");
+  const auto made =
+      part({section.model, section.seed, section.counts, section.materials.then(materials_)}, params, "model");
   if (!made) return;
   Placement placement{made->front(), section.to_world, 0, true};
   if (made->size() > 1) placement.moments = made;
@@ -189,9 +191,24 @@ std::shared_ptr<const PartMoments> PartLibrary::part(const Variant& variant, Par
     params.error(name, fmt::format("model \"{}\" places itself", model));
     return nullptr;
   }
-  auto made = is_new ? build_moments(variant, *value, params) : nullptr;
+  auto made = is_new ? build_for_object(variant, *value, params) : nullptr;
   under_construction_.erase(model);
   return built_[variant] = std::move(made);
+}
+
+// All that is built meanwhile has the materials of the object.
+std::shared_ptr<const PartMoments> PartLibrary::build_for_object(const Variant& variant, const Value& value,
+                                                                 Params& params) {
+  ModelContext context = *context_;
+  context.material_index = [this, &variant](const std::string& name, const Location& where) {
+    return scene_.material_index(variant.materials.of(name), where);
+  };
+  const ModelContext* const outer = std::exchange(context_, &context);
+  MaterialNames outer_materials = std::exchange(materials_, variant.materials);
+  auto made = build_moments(variant, value, params);
+  materials_ = std::move(outer_materials);
+  context_ = outer;
+  return made;
 }
 
 std::shared_ptr<const PartMoments> PartLibrary::build_moments(const Variant& variant, const Value& value,
@@ -283,7 +300,7 @@ std::vector<Scatter::Choice> PartLibrary::read_choices(const Value& list, int se
     const std::string name = params.required_text("model", "name of one of the file's models");
     const double weight = params.real("weight", 1, {1e-9, 1e9, ""}, "how often, beside the others");
     params.finish();
-    const auto made = part({name, seed}, params, "model");
+    const auto made = part({name, seed, {}, materials_}, params, "model");
     if (!made) continue;
     moves_ = moves_ || made->size() > 1;
     choices.push_back({made->front(), weight, made->size() > 1 ? made : nullptr});

@@ -4,6 +4,7 @@
 #include "geometry/cells/part.h"
 #include "procedural/scatter/scatter.h"
 #include "renderer/loading/load_model.h"
+#include "renderer/loading/material_names.h"
 #include "renderer/loading/shutter.h"
 
 #include <compare>
@@ -35,9 +36,12 @@ struct ObjectSection {
   std::string name;  // for mattes; empty: that of the model, numbered if it stands more than once
   int seed = 0;
   std::vector<int> counts;  // of the model's steps, if not as the model says
+  MaterialNames materials;
   Affine3d to_world;
 };
-ObjectSection read_object(Params& params);
+// `check_material` reports names that are none.
+ObjectSection read_object(
+    Params& params, const MaterialNames::Check& check_material = [](const std::string&, const Location&) {});
 
 // Where an object stands at a time, in frames; nothing, with an error, if its expressions go wrong there.
 std::optional<Affine3d> object_transform(const Value& object, double time, Diagnostics& diagnostics);
@@ -46,13 +50,13 @@ std::optional<Affine3d> object_transform(const Value& object, double time, Diagn
 // are several without a name.
 std::vector<std::string> object_names(const Value& objects);
 
-// Builds the models of a scene file when they are first named, once for each seed and counts; those that change while
-// the shutter is open once for each of its moments.
+// Builds the models of a scene file when they are first named, once for each seed, counts and materials; those that
+// change while the shutter is open once for each of its moments.
 class PartLibrary {
  public:
   // `models`: the section as written; null if absent.
   PartLibrary(const Value* models, const ModelContext& context, const Shutter& shutter = {})
-      : models_(models), context_(&context), shutter_(shutter) {}
+      : models_(models), scene_(context), context_(&context), shutter_(shutter) {}
 
   // The placements of a list of objects. Errors go to the diagnostics; what is wrong is left out.
   std::vector<Placement> place(const Value& objects);
@@ -73,11 +77,13 @@ class PartLibrary {
     std::string model;
     int seed = 0;
     std::vector<int> counts = {};
+    MaterialNames materials = {};
     auto operator<=>(const Variant&) const = default;
   };
 
   // Of the model that the member `name` of `params` names. Null if there is none or it cannot be built.
   std::shared_ptr<const PartMoments> part(const Variant& variant, Params& params, const char* name);
+  std::shared_ptr<const PartMoments> build_for_object(const Variant& variant, const Value& value, Params& params);
   std::shared_ptr<const PartMoments> build_moments(const Variant& variant, const Value& value, Params& params);
   std::shared_ptr<const Part> build(const Variant& variant, const Value& value, Params& params);
   std::shared_ptr<const Part> build(const std::string& name, const Value& value, int seed);
@@ -90,7 +96,9 @@ class PartLibrary {
   std::string unknown_model(const std::string& name) const;
 
   const Value* models_;
-  const ModelContext* context_;
+  const ModelContext& scene_;
+  const ModelContext* context_;  // of the model that is being built
+  MaterialNames materials_;      // of the object that it is built for
   const Shutter shutter_;
   bool moves_ = false;
   std::map<Variant, std::shared_ptr<const PartMoments>> built_;

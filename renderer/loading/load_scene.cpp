@@ -221,6 +221,7 @@ class SceneBuilder {
   }
 
   int material_index(const std::string& name, const Location& where) {
+    if (name.empty()) return 0;
     if (const auto it = material_names_.find(name); it != material_names_.end()) return it->second;
     std::vector<std::string> names;
     for (const auto& [known, index] : material_names_) names.push_back(known);
