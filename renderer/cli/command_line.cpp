@@ -36,6 +36,7 @@ class CommandLine {
     add_merge();
     add_profile();
     add_compare();
+    add_probe();
     add_export();
     add_convert();
     add_check();
@@ -105,6 +106,14 @@ class CommandLine {
     });
   }
 
+  void add_probe() {
+    CLI::App& command = *app_.add_subcommand("probe", "what one pixel shows, and what its rays expand");
+    add_scene_argument(command, probed_.scene);
+    add_probe_options(command, probed_);
+    add_view_options(command, probed_.load);
+    command.final_callback([this] { exit_code_ = probe_command(probed_, load_); });
+  }
+
   void add_export() {
     CLI::App& command = *app_.add_subcommand("export", "write the expanded geometry as a mesh file");
     add_scene_argument(command, exported_.scene);
@@ -145,6 +154,7 @@ class CommandLine {
   CompareOptions compare_;
   ProfileOptions profile_;
   MergeOptions merge_;
+  ProbeOptions probed_;
   ExportOptions exported_;
   ConvertOptions converted_;
   std::string checked_scene_, described_;

@@ -74,6 +74,13 @@ PixelWindow parse_crop(const std::string& text) {
   return window;
 }
 
+std::pair<int, int> parse_pixel(const std::string& text) {
+  const std::vector<int> n = parse_integers(text, ',');
+  if (n.size() != 2 || n[0] < 0 || n[1] < 0)
+    throw UsageError(fmt::format("\"{}\" is no pixel: expected x,y, such as 640,360", text));
+  return {n[0], n[1]};
+}
+
 double parse_duration(const std::string& text) {
   double seconds = 0;
   const char* at = text.data();

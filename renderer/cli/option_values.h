@@ -22,6 +22,9 @@ std::uint64_t parse_memory(const std::string& text);
 // "x0,y0,x1,y1" in pixels from the top left corner, x1 and y1 excluded; not empty.
 PixelWindow parse_crop(const std::string& text);
 
+// "640,360": x and y of a pixel, from 0.
+std::pair<int, int> parse_pixel(const std::string& text);
+
 // "25%,10%,64M": budgets of the geometry cache, as shares above 0 up to 100 % or as amounts of memory.
 std::vector<BudgetChoice> parse_budgets(const std::string& text);
 

@@ -3,6 +3,7 @@
 #include "renderer/cli/option_values.h"
 
 #include <map>
+#include <tuple>
 
 namespace meristem {
 
@@ -213,6 +214,13 @@ void add_export_options(CLI::App& app, ExportOptions& o) {
       }))
       ->type_name("FILE");
   app.add_flag("-q,--quiet", o.quiet, "say nothing but errors");
+}
+
+void add_probe_options(CLI::App& app, ProbeOptions& o) {
+  add_parsed(app, "PIXEL", "X,Y", "x,y of a pixel, from the top left corner", [&o](const std::string& t) {
+    std::tie(o.x, o.y) = parse_pixel(t);
+  })->required();
+  app.add_option("--samples", o.samples, "samples to follow, one after another")->check(CLI::Range(1, 1 << 20));
 }
 
 void add_convert_options(CLI::App& app, ConvertOptions& o) {

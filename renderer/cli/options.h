@@ -5,6 +5,7 @@
 #include "renderer/cli/commands.h"
 #include "renderer/cli/convert_command.h"
 #include "renderer/cli/export_command.h"
+#include "renderer/cli/probe_command.h"
 #include "renderer/cli/render_command.h"
 
 #include <CLI/CLI.hpp>
@@ -35,6 +36,9 @@ void add_compare_options(CLI::App& app, CompareOptions& o);
 
 // Of `export`, beside the options of the view.
 void add_export_options(CLI::App& app, ExportOptions& o);
+
+// Of `probe`, beside the options of the view.
+void add_probe_options(CLI::App& app, ProbeOptions& o);
 
 // Of `convert`.
 void add_convert_options(CLI::App& app, ConvertOptions& o);

@@ -124,6 +124,18 @@ TEST_F(CommandLineTest, EveryOptionArrives) {
   EXPECT_EQ(folder_.files(), 3u);
 }
 
+TEST_F(CommandLineTest, ProbeTellsOfOnePixel) {
+  ASSERT_EQ(run({"probe", "a.jsonc", "3,5", "--samples", "2", "--size", "20x10"}), 0) << error_;
+  EXPECT_NE(out_.find("pixel 3,5 of 20 x 10\n  no surface\n"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("sample 1: radiance"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("camera   nothing"), std::string::npos) << out_;
+  EXPECT_EQ(folder_.files(), 0u);
+  EXPECT_EQ(run({"probe", "a.jsonc", "3,10", "--size", "20x10"}), 2);
+  EXPECT_NE(error_.find("outside the image of 20 x 10"), std::string::npos) << error_;
+  EXPECT_NE(run({"probe", "a.jsonc"}), 0);
+  EXPECT_NE(run({"probe", "a.jsonc", "3"}), 0);
+}
+
 TEST_F(CommandLineTest, TheDigestDoesNotDependOnThreads) {
   std::string digest;
   for (const char* threads : {"1", "2", "8"}) {

@@ -36,6 +36,12 @@ TEST(OptionValues, BudgetsAsSharesOrAmounts) {
     EXPECT_THROW(parse_budgets(text), UsageError) << text;
 }
 
+TEST(OptionValues, Pixels) {
+  EXPECT_EQ(parse_pixel("640,0"), (std::pair{640, 0}));
+  for (const char* text : {"", "1", "1,2,3", "-1,2", "1,-2", "1.5,2", "1x2"})
+    EXPECT_THROW(parse_pixel(text), UsageError) << text;
+}
+
 TEST(OptionValues, Crops) {
   EXPECT_EQ(parse_crop("1,2,30,40"), (PixelWindow{1, 2, 30, 40}));
   for (const char* text : {"", "1,2,3", "1,2,3,4,5", "5,0,5,9", "0,5,9,4", "-1,0,5,5", "1;2;3;4", "1,2,3,4,"})
