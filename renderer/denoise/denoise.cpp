@@ -2,6 +2,7 @@
 
 #include "geometry/base/check.h"
 #include "geometry/base/parallel.h"
+#include "renderer/denoise/outliers.h"
 #include "renderer/denoise/regression.h"
 #include "renderer/denoise/weights.h"
 
@@ -26,56 +27,6 @@ Plane plane_of(const Image& image, int channel) {
 }
 
 Color color_of(const Image& image) { return {plane_of(image, 0), plane_of(image, 1), plane_of(image, 2)}; }
-
-float luminance_at(const Color& c, int x, int y) { return luminance({c[0].at(x, y), c[1].at(x, y), c[2].at(x, y)}); }
-
-// Runs over the pixels in parallel.
-template <class Body>
-void for_pixels(const Plane& plane, Body body) {
-  parallel_for(std::size_t(plane.height()), [&](std::size_t y) {
-    for (int x = 0; x < plane.width(); ++x) body(x, int(y));
-  });
-}
-
-// Of two fireflies near to each other each is part of the other's surroundings: one pass dims both to half, two to a
-// fifth. More take away too much of light that only rare paths bring.
-constexpr int dimming_passes = 2;
-
-// Takes out what a single path has brought and none around it: a pixel of one half that is brighter than its
-// surroundings in both halves, and than the other half, comes down to the larger of the two; and the variance of its
-// samples with it, which would otherwise tell of light that is no longer there.
-void dim_fireflies(std::array<Color, 2>& halves, Plane& variance) {
-  constexpr int radius = 2;
-  constexpr float deviations = 3;
-  const std::array<Color, 2> before = halves;
-  const int width = variance.width(), height = variance.height();
-  for_pixels(before[0][0], [&](int x, int y) {
-    float sum = 0, squares = 0;
-    int count = 0;
-    for (int dy = -radius; dy <= radius; ++dy)
-      for (int dx = -radius; dx <= radius; ++dx) {
-        const bool itself = std::clamp(x + dx, 0, width - 1) == x && std::clamp(y + dy, 0, height - 1) == y;
-        if (itself) continue;
-        for (const Color& half : before) {
-          const float l = luminance_at(half, x + dx, y + dy);
-          sum += l, squares += l * l, ++count;
-        }
-      }
-    const float mean = sum / float(count);
-    const float deviation = std::sqrt(std::max(squares / float(count) - mean * mean, 0.0f));
-    for (std::size_t h = 0; h < 2; ++h) {
-      const float own = luminance_at(before[h], x, y), other = luminance_at(before[1 - h], x, y);
-      const float limit = std::max(mean + deviations * deviation, other);
-      if (own <= limit) continue;
-      const float factor = limit / own;
-      for (Plane& plane : halves[h]) plane.row(y)[x] *= factor;
-      variance.row(y)[x] *= factor * factor;
-    }
-  });
-  variance.extend();
-  for (Color& half : halves)
-    for (Plane& plane : half) plane.extend();
-}
 
 // The variance of a half's pixels. That of the samples is known pixel by pixel, but is of luminance and knows nothing
 // of how well the samples were spread; the difference of the halves knows both, but is itself very noisy. So the
@@ -137,14 +88,15 @@ std::vector<Tile> tiles_of(int width, int height) {
 Image denoised(const Input& input) {
   std::array<Color, 2> halves{color_of(input.halves[0]), color_of(input.halves[1])};
   Plane of_samples = plane_of(input.variance, 0);
-  for (int pass = 0; pass < dimming_passes; ++pass) dim_fireflies(halves, of_samples);
-  const int width = halves[0][0].width(), height = halves[0][0].height();
-  const std::array<Plane, 3> variance = variance_of_half(halves, of_samples);
   Features features;
   for (int c = 0; c < 3; ++c) {
     features[std::size_t(c)] = plane_of(input.albedo, c);
     features[std::size_t(3 + c)] = plane_of(input.normal, c);
   }
+  const std::vector<LightPixel> lights = take_out_lights(features, halves, of_samples);
+  dim_fireflies(halves, of_samples);
+  const int width = halves[0][0].width(), height = halves[0][0].height();
+  const std::array<Plane, 3> variance = variance_of_half(halves, of_samples);
   const Plane stiffness = stiffness_of(halves, variance);
   const std::array<Guide, 2> guides{Guide{halves[0], variance}, Guide{halves[1], variance}};
   std::array<Color, 2> fitted;
@@ -165,6 +117,10 @@ Image denoised(const Input& input) {
     for (int x = 0; x < width; ++x)
       for (std::size_t c = 0; c < 3; ++c)
         result.pixels.push_back(0.5f * (fitted[0][c].at(x, y) + fitted[1][c].at(x, y)));
+  for (const LightPixel& light : lights)
+    for (int c = 0; c < 3; ++c)
+      result.pixels[(std::size_t(light.y) * std::size_t(width) + std::size_t(light.x)) * 3 + std::size_t(c)] =
+          light.color[c];
   return result;
 }
 

@@ -2,6 +2,8 @@
 // pixels need no cases at the edges of the image.
 #pragma once
 
+#include "geometry/base/parallel.h"
+
 #include <cstddef>
 #include <vector>
 
@@ -35,6 +37,14 @@ class Plane {
   std::size_t stride_ = 0;
   std::vector<float> values_;
 };
+
+// Runs over the pixels in parallel.
+template <class Body>
+void for_pixels(const Plane& plane, Body body) {
+  parallel_for(std::size_t(plane.height()), [&](std::size_t y) {
+    for (int x = 0; x < plane.width(); ++x) body(x, int(y));
+  });
+}
 
 // The mean over (2 radius + 1)^2 pixels around each; radius below border. Of an extended plane, and extended.
 Plane box_mean(const Plane& plane, int radius);

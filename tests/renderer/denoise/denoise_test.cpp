@@ -218,6 +218,38 @@ TEST_P(GlintsOfPaths, LeaveNoNoiseAroundThem) {
 
 INSTANTIATE_TEST_SUITE_P(Denoise, GlintsOfPaths, testing::Values(1, 2));
 
+// A sun that is smaller than a pixel: some samples of that pixel meet it; in the second case all of one half.
+class SmallSun : public testing::TestWithParam<bool> {};
+
+TEST_P(SmallSun, StaysAndLendsNoLight) {
+  constexpr std::size_t samples = 8;
+  const auto meets_sun = [](std::size_t n) { return GetParam() ? n % 2 == 1 : n < 5; };
+  const float sun = 5e4f * (GetParam() ? 4 : 5) / samples;
+  constexpr int sun_x = 40, sun_y = 30;
+  Rendered r = render(samples, 0);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::size_t i = std::size_t(y * width + x);
+      PixelSamples pixel;
+      for (std::size_t n = 0; n < samples; ++n)
+        pixel.add(Spectrum(x == sun_x && y == sun_y && meets_sun(n) ? 5e4f
+                                                                    : 1 + 0.01f * uniform_float(hash_keys(Key(i), n))));
+      pixel.put(r.input, i);
+      for (std::size_t c = 0; c < 3; ++c) r.input.albedo.pixels[3 * i + c] = r.input.normal.pixels[3 * i + c] = 0;
+    }
+  const Image image = denoise::denoised(r.input);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const float light = image.pixels[std::size_t(y * width + x) * 3];
+      if (x == sun_x && y == sun_y)
+        EXPECT_NEAR(light, sun, 1);
+      else
+        EXPECT_NEAR(light, 1.005f, 0.02f) << x << ", " << y;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Denoise, SmallSun, testing::Bool());
+
 // Where two fireflies are near to each other, and at the image's edge, beyond which it is repeated.
 TEST(Denoise, FirefliesLeaveNoBlocks) {
   const auto brightest = [](auto glint) {
