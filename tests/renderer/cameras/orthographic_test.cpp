@@ -1,10 +1,7 @@
+#include "tests/renderer/cameras/camera_promises.h"
 #include "tests/support/component.h"
 
-#include "geometry/base/key.h"
-
 #include <gtest/gtest.h>
-
-#include <cmath>
 
 namespace meristem {
 void register_orthographic(CameraRegistry& r);
@@ -36,14 +33,9 @@ TEST(Orthographic, ShowsItsHeight) {
 
 TEST(Orthographic, ProjectFindsTheFilmPositionOfARay) {
   const auto c = make<Camera>(register_orthographic, R"({ "from": [3, 2, 5], "to": [0, 1.5, 0], "height": 0.5 })");
-  for (const Vec2f film : {Vec2f{160, 100}, Vec2f{10.25f, 20}, Vec2f{-40, 300}}) {
-    const Ray ray = c->ray({film, {}}, width, height);
-    const auto found = c->project(Vec3d(ray.origin + ray.direction * 7), width, height);
-    ASSERT_TRUE(found);
-    EXPECT_NEAR(found->x, film.x, 1e-3f);
-    EXPECT_NEAR(found->y, film.y, 1e-3f);
-    EXPECT_FALSE(c->project(Vec3d(ray.origin - ray.direction), width, height));
-  }
+  expect_projection_back(*c, {{160, 100}, {10.25f, 20}, {-40, 300}}, width, height);
+  const Ray ray = c->ray({{160, 100}, {}}, width, height);
+  EXPECT_FALSE(c->project(Vec3d(ray.origin - ray.direction), width, height));
 }
 
 TEST(Orthographic, APixelHasOneSizeInView) {
@@ -69,20 +61,7 @@ TEST(Orthographic, FootprintGrowsGentlyOutOfView) {
 }
 
 TEST(Orthographic, FootprintsInASphereStayInTheirRange) {
-  const auto c = camera();
-  auto random = [i = Key(0)]() mutable { return 2 * uniform_double(hash_keys(5, ++i)) - 1; };
-  const auto random_vector = [&] { return Vec3f(Vec3d{random(), random(), random()}); };
-  for (int i = 0; i < 300; ++i) {
-    const Vec3f center = random_vector() * 20.f;
-    const float radius = float(3 * (1 + random()));
-    const auto [least, most] = c->footprint_range(center, radius, width, height);
-    EXPECT_GT(least, 0);
-    for (int k = 0; k < 100; ++k) {
-      const float footprint = c->footprint(center + random_vector() * (radius / std::sqrt(3.f)), width, height);
-      EXPECT_LE(least, footprint);
-      EXPECT_GE(most, footprint);
-    }
-  }
+  EXPECT_EQ(expect_footprints_in_range(*camera(), 20, 6, width, height), 300);
 }
 
 TEST(Orthographic, ReportsViewsThatAreNone) {

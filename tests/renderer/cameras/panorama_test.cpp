@@ -1,10 +1,7 @@
+#include "tests/renderer/cameras/camera_promises.h"
 #include "tests/support/component.h"
 
-#include "geometry/base/key.h"
-
 #include <gtest/gtest.h>
-
-#include <cmath>
 
 namespace meristem {
 void register_panorama(CameraRegistry& r);
@@ -35,13 +32,7 @@ TEST(Panorama, LooksAllAround) {
 
 TEST(Panorama, ProjectFindsTheFilmPositionOfARay) {
   const auto c = make<Camera>(register_panorama, R"({ "from": [1, 2, 3], "to": [4, 3, -2] })");
-  for (const Vec2f film : {Vec2f{200, 100}, Vec2f{10.25f, 20}, Vec2f{395, 190}}) {
-    const Ray ray = c->ray({film, {}}, width, height);
-    const auto found = c->project(Vec3d(ray.origin + ray.direction * 7), width, height);
-    ASSERT_TRUE(found);
-    EXPECT_NEAR(found->x, film.x, 1e-3f);
-    EXPECT_NEAR(found->y, film.y, 1e-3f);
-  }
+  expect_projection_back(*c, {{200, 100}, {10.25f, 20}, {395, 190}}, width, height);
 }
 
 TEST(Panorama, FootprintIsTheDistanceBetweenPixelsAtTheHorizon) {
@@ -57,19 +48,7 @@ TEST(Panorama, FootprintIsTheDistanceBetweenPixelsAtTheHorizon) {
 }
 
 TEST(Panorama, FootprintsInASphereStayInTheirRange) {
-  const auto c = camera();
-  auto random = [i = Key(0)]() mutable { return 2 * uniform_double(hash_keys(5, ++i)) - 1; };
-  const auto random_vector = [&] { return Vec3f(Vec3d{random(), random(), random()}); };
-  for (int i = 0; i < 300; ++i) {
-    const Vec3f center = random_vector() * 50.f;
-    const float radius = float(3 * (1 + random()));
-    const auto [least, most] = c->footprint_range(center, radius, width, height);
-    for (int k = 0; k < 100; ++k) {
-      const float footprint = c->footprint(center + random_vector() * (radius / std::sqrt(3.f)), width, height);
-      EXPECT_LE(least, footprint);
-      EXPECT_GE(most, footprint);
-    }
-  }
+  EXPECT_GT(expect_footprints_in_range(*camera(), 50, 6, width, height), 290);
 }
 
 }  // namespace
