@@ -36,6 +36,13 @@ RayOrder possible_order(const Scene& scene) {
   return scene.integrator->stepper() ? scene.settings.ray_order : RayOrder::DepthFirst;
 }
 
+// The tile that is taken as the i-th while little is there: those that follow each other lie in as many parts of the
+// picture as there are threads, so that one seldom has to wait for what another expands.
+std::size_t apart(std::size_t i, std::size_t tiles, std::size_t threads) {
+  const std::size_t part = tiles / threads;
+  return i < part * threads ? i % threads * part + i / threads : i;
+}
+
 }  // namespace
 
 // What one thread has of its own during a pass.
@@ -162,7 +169,7 @@ void RenderSession::trace_tiles(std::uint32_t end, int step, std::vector<RayCoun
     if (together) worker.batch.emplace(scene_, camera_, path_wants());
     try {
       for (std::size_t i = next_tile_++; i < tiles_.size() && !stopped(); i = next_tile_++)
-        render_tile(worker, tiles_[i]);
+        render_tile(worker, tiles_[step > 1 ? apart(i, tiles_.size(), std::size_t(threads_)) : i]);
     } catch (...) {
       failed_ = true;
       throw;
