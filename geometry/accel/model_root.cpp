@@ -12,7 +12,25 @@ std::optional<Affine3d> from_world(const RayContext::Frame* frame) {
   return result;
 }
 
+HitRank rank_of(const SurfacePatch& patch, const TreeHit& hit, Key path, Key key) {
+  const SurfaceTree::Triangle triangle = patch.tree().triangle(hit.triangle);
+  return {path, tie_key(patch.tessellation().positions.data(), triangle.corners), key};
+}
+
+// Of a hit as far as the nearest so far. Rare.
+[[gnu::noinline, gnu::cold]] bool wins_tie(const SurfacePatch& patch, Key key, const TreeHit& hit,
+                                           const RayContext& context) {
+  const HitRank before = context.patch ? rank_of_hit(context) : context.kept_rank;
+  const HitRank now = rank_of(patch, hit, context.path, key);
+  // Of one patch another part may have been met already
+  return now == before ? hit.triangle <= context.patch_hit.triangle : now < before;
+}
+
 }  // namespace
+
+HitRank rank_of_hit(const RayContext& context) {
+  return rank_of(*context.patch, context.patch_hit, context.patch_path, context.patch_key);
+}
 
 TreeRay tree_ray(const RTCRay& ray) { return {{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}}; }
 
@@ -22,18 +40,13 @@ bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RT
 }
 
 bool take_hit(const SurfacePatch& patch, Key key, const TreeHit& hit, RayContext& context, RTCRay& ray) {
-  key = hash_keys(key, context.path);
-  if (hit.t == ray.tfar && context.has_hit) {
-    // Of one patch another part may have been met already
-    const bool lost_tie =
-        context.patch_key == key ? context.patch_hit.triangle < hit.triangle : context.patch_key < key;
-    if (lost_tie) return false;
-  }
+  if (hit.t == ray.tfar && context.has_hit && !wins_tie(patch, key, hit, context)) return false;
   ray.tfar = hit.t;
   context.has_hit = true;
   context.patch = &patch;
   context.patch_hit = hit;
   context.patch_key = key;
+  context.patch_path = context.path;
   context.patch_object = context.object;
   context.patch_from_world = from_world(context.frame);
   return true;

@@ -21,7 +21,8 @@ struct RayContext {
   bool has_hit = false;
   const SurfacePatch* patch = nullptr;  // null: one that a search has kept
   TreeHit patch_hit{0};
-  Key patch_key = 0;  // of its cell and the instances around it: decides ties
+  Key patch_key = 0, patch_path = 0;  // of its cell, and the instances around it
+  HitRank kept_rank{};                // of a hit that a search has kept
   int patch_object = -1;
   std::optional<Affine3d> patch_from_world;  // none: identity
 
@@ -108,11 +109,13 @@ class ModelRoot {
   Bounds3f bounds_;
 };
 
-// Traces a patch for a ray that may have a hit already; of two hits at one distance the smaller key wins. Returns
+// Traces a patch for a ray that may have a hit already; of two hits at one distance the smaller rank wins. Returns
 // whether the patch holds the nearest hit now.
 bool intersect_patch(const SurfacePatch& patch, Key key, RayContext& context, RTCRay& ray);
 // The second half of it: what has been met up to ray.tfar.
 bool take_hit(const SurfacePatch& patch, Key key, const TreeHit& hit, RayContext& context, RTCRay& ray);
+// Of the nearest hit so far, while its patch is there.
+HitRank rank_of_hit(const RayContext& context);
 TreeRay tree_ray(const RTCRay& ray);
 // As Embree's callbacks say that something is in the way: tfar becomes -infinity.
 void occlude_with_patch(const SurfacePatch& patch, const RayContext& context, RTCRay& ray);

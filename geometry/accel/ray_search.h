@@ -19,6 +19,7 @@
 #include "geometry/base/key.h"
 
 #include <bit>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -110,6 +111,13 @@ class MissingCells {
   float nearest_exact_ = CellList::removed;
 };
 
+// Of two hits at one distance that with the smaller rank counts. What decides belongs to the geometry: the instances
+// around it, then where the triangle lies. The cell's key is asked only where a triangle stands there twice.
+struct HitRank {
+  Key path, triangle, cell;
+  auto operator<=>(const HitRank&) const = default;
+};
+
 class RaySearch {
  public:
   enum class End : std::uint8_t { Missed, Met, Waits };
@@ -134,7 +142,7 @@ class RaySearch {
   friend class SearchDriver;  // of the world
   struct Nearest {
     SurfaceHit hit;
-    Key patch_key;
+    HitRank rank;
   };
   bool waits() const { return !missing_.empty(); }
 

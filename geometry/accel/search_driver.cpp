@@ -17,7 +17,7 @@ SearchDriver::SearchDriver(RaySearch& search, bool any, RayContext& context, RTC
   context.search = &state_;
   if (!search.nearest_) return;
   context.has_hit = true;
-  context.patch_key = search.nearest_->patch_key;
+  context.kept_rank = search.nearest_->rank;
   ray.ray.tfar = search.nearest_->hit.t;
 }
 
@@ -39,6 +39,7 @@ RaySearch::End SearchDriver::go_on(const RayRoute& route, const GeometryCache& c
   if (has_ended() || overflows()) return RaySearch::End::Met;
   if (nearest == missing_.list().end()) return context_.has_hit ? RaySearch::End::Met : RaySearch::End::Missed;
   search_.woken_for_ = missing_.list().name(nearest);
+  if (context_.patch) context_.kept_rank = rank_of_hit(context_);
   return RaySearch::End::Waits;
 }
 
@@ -76,7 +77,7 @@ void SearchDriver::keep(const SurfaceHit* nearer) {
   search_.missing_.assign(missing_.list(), ray_.ray.tfar);
   if (!nearer) return;
   if (!search_.nearest_) search_.nearest_ = std::make_unique<RaySearch::Nearest>();
-  *search_.nearest_ = {*nearer, context_.patch_key};
+  *search_.nearest_ = {*nearer, context_.kept_rank};
 }
 
 }  // namespace meristem

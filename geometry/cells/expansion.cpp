@@ -123,7 +123,7 @@ class Expander {
       result_.leaf.emplace();
       result_.mesh = std::move(cell_);
     } else {
-      result_.leaf = tessellate(cell_, level_, squares_, model_.smoothing(level_), done_);
+      result_.leaf = tessellate(model_, cell_, level_, squares_, done_);
     }
   }
 

@@ -97,6 +97,12 @@ std::optional<Smoothing> Model::smoothing(int level) const {
   return Smoothing{*scheme, is_refined, quantum_};
 }
 
+std::optional<Scheme> Model::next_scheme(int level) const {
+  for (int i = level; i < levels(); ++i)
+    if (const auto refinement = step(i).refinement()) return refinement->scheme;
+  return {};
+}
+
 double Model::growth_reach(const FaceOrigin& origin, const Bounds3d& face, double radius, int level,
                            double enough) const {
   Extent e = base_extent_;

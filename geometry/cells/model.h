@@ -10,7 +10,7 @@
 
 namespace meristem {
 
-// How a model is cut into cells. Images do not depend on it (but for ties at cell borders); speed and memory do.
+// How a model is cut into cells. What rays meet does not depend on it (but for SurfaceHit::level); speed and memory do.
 struct CellSettings {
   // Final faces of a leaf cell: fewer, and rays meet more boxes and every cell has more halo than surface; more, and
   // what a ray asks for drags along what none does. Of 1024, 2048 and 4096 the second was fastest on whole pictures.
@@ -60,6 +60,8 @@ class Model {
   // What is shown of a mesh before step `level` on which nothing grows any more: the limit surface, if nothing but
   // plain smoothing lies ahead or, at the end, lies behind; else the mesh itself.
   std::optional<Smoothing> smoothing(int level) const;
+  // The scheme of the first step at `level` or later that refines.
+  std::optional<Scheme> next_scheme(int level) const;
   // The first step at `level` or later that replaces faces with this symbol; levels(): none does.
   int growing_step(std::int32_t symbol, int level) const;
   bool grows_later(std::int32_t symbol, int level) const { return growing_step(symbol, level) < levels(); }

@@ -2,6 +2,8 @@
 
 #include "geometry/base/check.h"
 #include "geometry/cells/fading.h"
+#include "geometry/cells/uv_lattice.h"
+#include "geometry/cells/uv_packing.h"
 #include "geometry/mesh/face_sums.h"
 #include "geometry/mesh/refine.h"
 
@@ -48,7 +50,10 @@ LimitSurface limit_of(const CellMesh& cell, const Smoothing& smoothing) {
 class ShownSurface {
  public:
   ShownSurface(const CellMesh& cell, const std::optional<Smoothing>& smoothing)
-      : normals_(smoothing ? 0 : cell.mesh.vertex_count()) {
+      : normals_(smoothing ? 0 : cell.mesh.vertex_count()),
+        uv_(cell.mesh.uv.empty() ? vertex_uv(cell.mesh) : std::vector<Vec2d>()),
+        uv(cell.mesh.uv.empty() ? uv_ : cell.mesh.uv),
+        lattice(cell.mesh, uv) {
     if (smoothing) {
       limit_ = limit_of(cell, *smoothing);
       positions = limit_.positions;
@@ -58,19 +63,19 @@ class ShownSurface {
       positions = cell.mesh.positions;
       normals = normals_.span();
     }
-    if (cell.mesh.uv.empty()) uv_ = vertex_uv(cell.mesh);
-    uv = cell.mesh.uv.empty() ? uv_ : cell.mesh.uv;
   }
   ShownSurface(const ShownSurface&) = delete;
   ShownSurface& operator=(const ShownSurface&) = delete;
-
-  std::span<const Vec3d> positions, normals;
-  std::span<const Vec2d> uv;
 
  private:
   LimitSurface limit_;
   Scratch<Vec3d> normals_;
   std::vector<Vec2d> uv_;
+
+ public:
+  std::span<const Vec3d> positions, normals;
+  std::span<const Vec2d> uv;
+  UvLattice lattice;
 };
 
 std::size_t squares_of(std::uint32_t corners) { return corners == 4 ? 1 : corners; }
@@ -90,12 +95,14 @@ std::size_t vertices_of(const Squares& squares) {
 class Tessellator {
  public:
   // `surface` is not asked for frozen vertices: null where all are.
-  Tessellator(const Mesh& mesh, int level, const ShownSurface* surface, Tessellation& out,
-              std::vector<Vec2f>& vertex_uv)
+  Tessellator(const Mesh& mesh, int level, std::optional<Scheme> next_scheme, const ShownSurface* surface,
+              Tessellation& out, std::vector<Vec2f>& vertex_uv, std::vector<UvRange>& uv_ranges)
       : mesh_(mesh),
+        next_scheme_(next_scheme),
         surface_(surface),
         out_(out),
         vertex_uv_(vertex_uv),
+        uv_ranges_(uv_ranges),
         leaf_(std::uint32_t(out.leaves.size())),
         origins_(mesh.origins.size(), none) {
     out.leaves.push_back({{}, level});
@@ -149,7 +156,8 @@ class Tessellator {
     return number;
   }
 
-  // Quads are cut as those of grids are, others into a fan from the first corner; vertices are shared between faces.
+  // Quads are cut as those of grids are, others into a fan from the first corner, or as the next refinement would cut
+  // them; vertices are shared between faces.
   void add_polygon(std::uint32_t face) {
     const auto c = mesh_.corners(face);
     if (c.size() == 4) {
@@ -157,7 +165,22 @@ class Tessellator {
       add_triangle(face, c[2], c[3], c[1]);
       return;
     }
+    if (next_scheme_ == Scheme::CatmullClark) return add_as_quads(face);
     for (std::size_t i = 1; i + 1 < c.size(); ++i) add_triangle(face, c[0], c[i], c[i + 1]);
+  }
+
+  // The quads that refinement makes of a face that is done, without what it puts on edges and in the face: shown where
+  // these are shown.
+  void add_as_quads(std::uint32_t face) {
+    const auto c = mesh_.corners(face);
+    const std::uint32_t center = done_face_place(mesh_, face);
+    std::uint32_t before = done_edge_place(mesh_, c.back(), c.front());
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      const std::uint32_t after = done_edge_place(mesh_, c[i], c[(i + 1) % c.size()]);
+      add_triangle(face, c[i], after, before);
+      add_triangle(face, center, before, after);
+      before = after;
+    }
   }
 
   void add_triangle(std::uint32_t face, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -178,26 +201,37 @@ class Tessellator {
     return size;
   }
 
-  // As one grid, or as four where one of these may be coarser.
+  void add_quarters(std::uint32_t i0, std::uint32_t j0, std::uint32_t size) {
+    const std::uint32_t half = size / 2;
+    for (std::uint32_t k = 0; k < 4; ++k) add_square(i0 + (k % 2) * half, j0 + (k / 2) * half, half);
+  }
+
+  // As one grid, or as four where one of these may be coarser, or where no frame holds all of its u, v.
   void add_square(std::uint32_t i0, std::uint32_t j0, std::uint32_t size) {
     constexpr std::uint32_t smallest_split = 16;
     const std::uint32_t step = spacing(i0, j0, size), half = size / 2;
     if (!mesh_.frozen.empty() && size / step >= smallest_split) {
       const std::uint32_t steps[4] = {spacing(i0, j0, half), spacing(i0 + half, j0, half), spacing(i0, j0 + half, half),
                                       spacing(i0 + half, j0 + half, half)};
-      if (*std::max_element(steps, steps + 4) > step) {
-        for (std::uint32_t k = 0; k < 4; ++k) add_square(i0 + (k % 2) * half, j0 + (k / 2) * half, half);
-        return;
-      }
+      if (*std::max_element(steps, steps + 4) > step) return add_quarters(i0, j0, size);
     }
     const auto base = std::uint32_t(out_.positions.size());
     const auto width = std::uint16_t(size / step + 1);
+    UvRange range;
     for (std::uint32_t j = 0; j <= size; j += step)
-      for (std::uint32_t i = 0; i <= size; i += step) add_vertex(grid_vertex(i0 + i, j0 + j));
+      for (std::uint32_t i = 0; i <= size; i += step) range.add(vertex_uv_[add_vertex(grid_vertex(i0 + i, j0 + j))]);
+    if (size > step && !range.fits()) {
+      out_.positions.resize(base);
+      out_.attributes.resize(base);
+      vertex_uv_.resize(base);
+      return add_quarters(i0, j0, size);
+    }
     out_.grids.push_back({base, width, width, grid_origin_, leaf_, std::countr_zero(step)});
+    uv_ranges_.push_back(range);
   }
 
   bool is_shown_together(std::uint32_t v, std::uint32_t w) const {
+    if (v == w) return true;
     return !mesh_.frozen.empty() && mesh_.frozen[v].is_frozen && mesh_.frozen[w].is_frozen &&
            mesh_.frozen[v].position == mesh_.frozen[w].position;
   }
@@ -214,7 +248,7 @@ class Tessellator {
                                      Vec2f{float(surface_->uv[v].x), float(surface_->uv[v].y)});
     out_.positions.push_back(shown.position);
     out_.attributes.push_back({PackedNormal::pack(shown.normal), {}});
-    vertex_uv_.push_back(shown.uv);
+    vertex_uv_.push_back(surface_->lattice.round(v, shown.uv));
     return std::uint32_t(out_.positions.size()) - 1;
   }
   std::uint32_t shared_vertex(std::uint32_t v) {
@@ -224,25 +258,16 @@ class Tessellator {
   }
 
   const Mesh& mesh_;
+  const std::optional<Scheme> next_scheme_;
   const ShownSurface* const surface_;
   Tessellation& out_;
-  std::vector<Vec2f>& vertex_uv_;  // of the output
+  std::vector<Vec2f>& vertex_uv_;    // of the output
+  std::vector<UvRange>& uv_ranges_;  // of its grids
   const std::uint32_t leaf_;
   std::vector<std::uint32_t> origins_;  // by number in the mesh: in the tessellation
   std::vector<std::uint32_t> grid_vertices_, shared_;
   std::uint32_t grid_width_ = 0, grid_origin_ = 0;
 };
-
-void pack_uv(const std::vector<Vec2f>& vertex_uv, Tessellation& out) {
-  Vec2f low{INFINITY, INFINITY}, high{-INFINITY, -INFINITY};
-  for (Vec2f uv : vertex_uv) {
-    low = {std::min(low.x, uv.x), std::min(low.y, uv.y)};
-    high = {std::max(high.x, uv.x), std::max(high.y, uv.y)};
-  }
-  const UvFrame frame = UvFrame::over(low, high);
-  for (Tessellation::Leaf& leaf : out.leaves) leaf.uv_frame = frame;
-  for (std::size_t v = 0; v < vertex_uv.size(); ++v) out.attributes[v].uv = frame.pack(vertex_uv[v]);
-}
 
 // Vectors may have grown by doubling. One position more: rays read 16 bytes of the last.
 void shrink_to_fit(Tessellation& t) {
@@ -279,21 +304,24 @@ Bounds3f Tessellation::bounds() const {
   return b;
 }
 
-Tessellation tessellate(const CellMesh& cell, int level, const Squares& squares,
-                        const std::optional<Smoothing>& smoothing, std::span<const DoneFaces> done) {
+Tessellation tessellate(const Model& model, const CellMesh& cell, int level, const Squares& squares,
+                        std::span<const DoneFaces> done) {
   Tessellation out;
   std::vector<Vec2f> vertex_uv;
+  std::vector<UvRange> uv_ranges;
   if (squares.refinements > 0 && cell.mesh.frozen.empty()) {
     const std::size_t vertices = vertices_of(squares);
     out.positions.reserve(vertices + 1);
     out.attributes.reserve(vertices);
     vertex_uv.reserve(vertices);
   }
-  const ShownSurface surface(cell, smoothing);
-  Tessellator(cell.mesh, level, &surface, out, vertex_uv).add(cell.owned_faces, squares);
+  const ShownSurface surface(cell, model.smoothing(level));
+  Tessellator(cell.mesh, level, model.next_scheme(level), &surface, out, vertex_uv, uv_ranges)
+      .add(cell.owned_faces, squares);
   for (const DoneFaces& d : done)
-    Tessellator(d.mesh, d.level, nullptr, out, vertex_uv).add(d.mesh.face_count(), d.squares);
-  pack_uv(vertex_uv, out);
+    Tessellator(d.mesh, d.level, model.next_scheme(d.level), nullptr, out, vertex_uv, uv_ranges)
+        .add(d.mesh.face_count(), d.squares);
+  pack_uv(vertex_uv, uv_ranges, out);
   shrink_to_fit(out);
   return out;
 }

@@ -27,8 +27,8 @@ struct Tessellation {
     std::uint32_t origin;
     std::uint32_t leaf;
   };
-  // What faces share that were done at one level; there are several where parts of a cell, or many cells, were put
-  // together.
+  // What faces share that were done at one level, and whose u, v fit into one frame; there are several where that was
+  // not so, or parts of a cell, or many cells, were put together.
   struct Leaf {
     UvFrame uv_frame;
     int level = 0;  // steps of the model that were done
@@ -89,8 +89,10 @@ struct DoneFaces {
 
 // Of the final mesh of a cell after `level` steps, with one ring of halo, and of what was done before. Positions and
 // normals are those of shown_surface(), frozen vertices are shown where they were frozen, others faded in (fading.h);
-// squares in which the last refinements made nothing but copies become coarser grids.
-Tessellation tessellate(const CellMesh& cell, int level, const Squares& squares,
-                        const std::optional<Smoothing>& smoothing, std::span<const DoneFaces> done = {});
+// squares in which the last refinements made nothing but copies become coarser grids. The triangles that have an area
+// are the same however many of the refinements have been made of faces that were done before: how a model is cut into
+// cells does not show.
+Tessellation tessellate(const Model& model, const CellMesh& cell, int level, const Squares& squares,
+                        std::span<const DoneFaces> done = {});
 
 }  // namespace meristem

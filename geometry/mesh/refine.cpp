@@ -191,8 +191,7 @@ std::vector<double> refined_nominal_scale(const Mesh& mesh, const RefinePlan& pl
 }
 
 // A vertex on an edge whose ends are both frozen is shown at one of these, a vertex in a face all of whose corners are
-// at the first of these: so faces that are as fine as wanted stay whole, and both sides of an edge agree. Where levels
-// fade in, at the second of a quad's, so that it is cut by the same diagonal as when it is shown by itself.
+// at one of these: so faces that are as fine as wanted stay whole, and both sides of an edge agree.
 std::vector<FrozenVertex> refined_frozen(const Mesh& mesh, const RefinePlan& plan) {
   const std::vector<FrozenVertex>& in = mesh.frozen;
   std::vector<FrozenVertex> out(in.empty() ? 0 : plan.kept_vertices);
@@ -205,11 +204,11 @@ std::vector<FrozenVertex> refined_frozen(const Mesh& mesh, const RefinePlan& pla
     const auto corners = mesh.corners(v.face);
     if (v.out < plan.kept_vertices &&
         std::all_of(corners.begin(), corners.end(), [&](auto c) { return in[c].is_frozen; }))
-      copy(corners[!mesh.fading.empty() && corners.size() == 4 ? 1 : 0], v.out);
+      copy(done_face_place(mesh, v.face), v.out);
   }
   for (const auto& v : plan.edge_vertices)
     if (v.out < plan.kept_vertices && in[v.ends[0]].is_frozen && in[v.ends[1]].is_frozen)
-      copy(v.ends[mesh.vertex_keys[v.ends[0]] < mesh.vertex_keys[v.ends[1]] ? 0 : 1], v.out);
+      copy(done_edge_place(mesh, v.ends[0], v.ends[1]), v.out);
   for (const auto& v : plan.vertex_vertices)
     if (v.out < plan.kept_vertices) out[v.out] = in[v.vertex];
   return out;
@@ -277,6 +276,16 @@ Vec3d tangent_in_plane(Vec3d sum, Vec3d normal) {
 }
 
 }  // namespace
+
+std::uint32_t done_edge_place(const Mesh& mesh, std::uint32_t a, std::uint32_t b) {
+  return mesh.vertex_keys[a] < mesh.vertex_keys[b] ? a : b;
+}
+
+std::uint32_t done_face_place(const Mesh& mesh, std::uint32_t face) {
+  const auto corners = mesh.corners(face);
+  if (corners.size() == 4) return done_edge_place(mesh, corners[1], corners[3]);
+  return *std::ranges::min_element(corners, {}, [&](std::uint32_t v) { return mesh.vertex_keys[v]; });
+}
 
 std::vector<Vec2d> vertex_uv(const Mesh& mesh) {
   if (!mesh.uv.empty()) return mesh.uv;

@@ -38,6 +38,13 @@ struct LocalGeometry {
 LocalGeometry local_geometry(const RefinePlan& plan, const RefinedMesh& refined, const Quantum& quantum,
                              bool with_tangents);
 
+// Which of its frozen ends the vertex is shown at that refinement puts on an edge, which of its frozen corners the one
+// that it puts in a face: those with the smallest keys, of a quad on the diagonal by which it is cut. So of a quad that
+// is shown refined come the triangles that it is cut into by itself (tessellation.h), each from the same corner on,
+// however often it is refined; all others have no area.
+std::uint32_t done_edge_place(const Mesh& mesh, std::uint32_t a, std::uint32_t b);
+std::uint32_t done_face_place(const Mesh& mesh, std::uint32_t face);
+
 // u, v by vertex: mesh.uv, or the mean of the corners' own where growth left them at corners (the paper's figure 9).
 std::vector<Vec2d> vertex_uv(const Mesh& mesh);
 

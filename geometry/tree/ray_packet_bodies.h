@@ -35,7 +35,8 @@ class Packet {
   void enter_tree(const Braid::Strand& strand);
   void enter_other(const Braid::Strand& strand, const SurfaceTree::Node& node, std::uint32_t place);
   void meet_block(const TreeView& tree, std::uint32_t block);
-  void meet_triangle(const Sheared& a, const Sheared& b, const Sheared& c, std::uint32_t triangle);
+  void meet_triangle(const TreeView& tree, const Sheared& a, const Sheared& b, const Sheared& c,
+                     std::uint32_t triangle);
   Sheared sheared(const Vec3f& p) const;
   void shorten() { farthest_ = greatest(t_max_.lanes()); }
 
@@ -171,7 +172,7 @@ void Packet::meet_block(const TreeView& tree, std::uint32_t block) {
     for (std::uint32_t i = 0; i < shape; ++i) {
       const auto& corners = tree.triangles[first + i];
       const auto corner = [&](int k) { return sheared(tree.positions[corners[k]]); };
-      meet_triangle(corner(0), corner(1), corner(2), 8 * block + i);
+      meet_triangle(tree, corner(0), corner(1), corner(2), 8 * block + i);
     }
     return;
   }
@@ -185,14 +186,14 @@ void Packet::meet_block(const TreeView& tree, std::uint32_t block) {
         const Sheared &along_x = grid[y][x + 1], &along_y = grid[y + 1][x];
         const std::uint32_t triangle = 8 * block + 4 * half + 2 * y + x;
         if (half == 0)
-          meet_triangle(grid[y][x], along_x, along_y, triangle);
+          meet_triangle(tree, grid[y][x], along_x, along_y, triangle);
         else
-          meet_triangle(grid[y + 1][x + 1], along_y, along_x, triangle);
+          meet_triangle(tree, grid[y + 1][x + 1], along_y, along_x, triangle);
       }
 }
 
 // As meet_block() of one ray.
-MERISTEM_INLINE void Packet::meet_triangle(const Sheared& a, const Sheared& b, const Sheared& c,
+MERISTEM_INLINE void Packet::meet_triangle(const TreeView& tree, const Sheared& a, const Sheared& b, const Sheared& c,
                                            std::uint32_t triangle) {
   const EdgeFunctions e(a, b, c);
   unsigned met = e.met();
@@ -206,7 +207,8 @@ MERISTEM_INLINE void Packet::meet_triangle(const Sheared& a, const Sheared& b, c
   store(vs.of, div(e.w, e.area));
   for (; met; met &= met - 1) {
     const int i = std::countr_zero(met);
-    if (ts.of[i] == t_max_.of[i] && triangle > hits_[i].triangle) continue;
+    if (ts.of[i] == t_max_.of[i] && hits_[i].triangle != TreeHit::none && !wins_tie(tree, triangle, hits_[i].triangle))
+      continue;
     hits_[i] = {ts.of[i], triangle, us.of[i], vs.of[i]};
     t_max_.of[i] = rays_[i]->any ? -std::numeric_limits<float>::infinity() : ts.of[i];
   }

@@ -6,9 +6,33 @@
 #include "geometry/tree/tree_kernels.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace meristem {
+
+Key tie_key(const Vec3f* positions, const std::array<std::uint32_t, 3>& corners) {
+  Key key = 0;
+  for (const std::uint32_t corner : corners) {
+    const auto bits = std::bit_cast<std::array<std::uint32_t, 3>>(positions[corner]);
+    key = hash_keys(key, Key(bits[0]) << 32 | bits[1], bits[2]);
+  }
+  return key;
+}
+
+bool wins_tie(const TreeView& tree, std::uint32_t a, std::uint32_t b) {
+  const auto key = [&](std::uint32_t met) {
+    return tie_key(tree.positions, SurfaceTree::triangle(tree.nodes, tree.triangles, met).corners);
+  };
+  const Key of_a = key(a), of_b = key(b);
+  return of_a < of_b || (of_a == of_b && a < b);
+}
+
+bool wins_tie_in_block(const TreeView& tree, std::uint32_t block, int a, int b) {
+  const SurfaceTree::Node& node = tree.nodes[block / 8];
+  if (node.stride[block % 8] == 0 && a >= int(node.shape[block % 8])) return false;
+  return wins_tie(tree, 8 * block + std::uint32_t(a), 8 * block + std::uint32_t(b));
+}
 
 const TreeKernels& best_tree_kernels() {
   static const TreeKernels& best = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
@@ -56,10 +80,11 @@ bool SurfaceTree::occluded(const Vec3f* positions, const TreeRay& ray, float t_m
   return best_tree_kernels().occluded({nodes_.data(), triangles_, positions}, ray, t_min, t_max);
 }
 
-SurfaceTree::Triangle SurfaceTree::triangle(std::uint32_t met) const {
-  const Node& node = nodes_[met / 64];
+SurfaceTree::Triangle SurfaceTree::triangle(const Node* nodes, const std::array<std::uint32_t, 3>* triangles,
+                                            std::uint32_t met) {
+  const Node& node = nodes[met / 64];
   const std::uint32_t child = met / 8 % 8, place = met % 8, first = node.first[child], stride = node.stride[child];
-  if (stride == 0) return {triangles_[first + place], first + place, none};
+  if (stride == 0) return {triangles[first + place], first + place, none};
   const std::uint32_t quad = place % 4, v00 = first + quad % 2 + quad / 2 * stride, v10 = v00 + 1, v01 = v00 + stride,
                       v11 = v01 + 1;
   const std::uint32_t further = node.grids_further >> (4 * child) & 15,

@@ -7,9 +7,11 @@
 // (Woop et al. 2013, "Watertight Ray/Triangle Intersection"): a ray passes between no two triangles that share an edge.
 //
 // A hit depends on the triangle and the ray only: not on the tree, the other triangles or the instruction set. Of
-// triangles at one distance the first in the order of the tree is met.
+// triangles at one distance the one with the smallest tie_key() is met, so that it does not matter either in which tree
+// they stand; where one stands there twice, the first in the order of the tree.
 #pragma once
 
+#include "geometry/base/key.h"
 #include "geometry/cells/tessellation.h"
 
 #include <array>
@@ -38,6 +40,9 @@ struct TreeHit {
   float u = 0, v = 0;             // weights of the second and third corner
 };
 
+// A hash of where the corners of a triangle lie.
+Key tie_key(const Vec3f* positions, const std::array<std::uint32_t, 3>& corners);
+
 class SurfaceTree {
  public:
   // Over all triangles of a tessellation that outlives it, unchanged (it may be moved); sorts those outside grids.
@@ -62,7 +67,8 @@ class SurfaceTree {
     std::uint32_t index;  // in the list; none: of a grid
     std::uint32_t grid;   // none, rarely: see the corners
   };
-  Triangle triangle(std::uint32_t met) const;
+  Triangle triangle(std::uint32_t met) const { return triangle(nodes_.data(), triangles_, met); }
+  static Triangle triangle(const Node* nodes, const std::array<std::uint32_t, 3>* triangles, std::uint32_t met);
 
   std::size_t bytes() const;
   // Up to so many small parts, at least eight, that hold all triangles.

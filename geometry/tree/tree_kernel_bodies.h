@@ -268,10 +268,12 @@ MERISTEM_INLINE bool meet_block(const TreeView& tree, std::uint32_t block, const
   alignas(32) float ts[8], vs[8], ws[8], areas[8];
   store(ts, t);
   int nearest = std::countr_zero(met);
-  for (unsigned rest = met & (met - 1); rest; rest &= rest - 1)
-    if (const int i = std::countr_zero(rest); ts[i] < ts[nearest]) nearest = i;
+  for (unsigned rest = met & (met - 1); rest; rest &= rest - 1) {
+    const int i = std::countr_zero(rest);
+    if (ts[i] < ts[nearest] || (ts[i] == ts[nearest] && wins_tie_in_block(tree, block, i, nearest))) nearest = i;
+  }
   const std::uint32_t triangle = 8 * block + std::uint32_t(nearest);
-  if (ts[nearest] == hit.t && triangle > hit.triangle) return false;
+  if (ts[nearest] == hit.t && hit.triangle != TreeHit::none && !wins_tie(tree, triangle, hit.triangle)) return false;
   store(vs, e.v);
   store(ws, e.w);
   store(areas, e.area);

@@ -13,6 +13,13 @@ struct TreeView {
   const Vec3f* positions;
 };
 
+// Of two triangles of a tree, as TreeHit names them, that a ray meets at one distance: whether it is the first that it
+// meets. Rare, hence dear.
+[[gnu::cold]] bool wins_tie(const TreeView& tree, std::uint32_t a, std::uint32_t b);
+// The same of the triangles in two lanes of a block. Where there are fewer than lanes, the last stands in all that are
+// left.
+[[gnu::cold]] bool wins_tie_in_block(const TreeView& tree, std::uint32_t block, int a, int b);
+
 struct TreeKernels {
   bool (*intersect)(const TreeView& tree, const TreeRay& ray, float t_min, TreeHit& hit);
   bool (*occluded)(const TreeView& tree, const TreeRay& ray, float t_min, float t_max);

@@ -5,11 +5,13 @@
 // Its arrays are longer than what they hold, and nobody else may change their lengths, until finish() cuts them.
 #pragma once
 
+#include "geometry/cells/uv_lattice.h"
 #include "geometry/mesh/mesh.h"
 #include "geometry/mesh/quantum.h"
 #include "procedural/plants/leaf_shape.h"
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <span>
 
@@ -98,6 +100,16 @@ class PlantMesh {
   // The bud's faces from `first` on are as fine as will ever be wanted: they are shown as they are.
   void freeze(std::uint32_t first) {
     mesh_.frozen.resize(vertices_);
+    const auto uv_of = [&](std::uint32_t c) {
+      return uv_by_corner_ ? mesh_.corner_uv[c] : mesh_.uv[mesh_.corner_vertices[c]];
+    };
+    Vec2d low{INFINITY, INFINITY}, high{-INFINITY, -INFINITY};
+    for (std::uint32_t c = mesh_.face_starts[first]; c < mesh_.face_starts[faces_]; ++c) {
+      const Vec2d uv = uv_of(c);
+      low = {std::min(low.x, uv.x), std::min(low.y, uv.y)};
+      high = {std::max(high.x, uv.x), std::max(high.y, uv.y)};
+    }
+    const Vec2f width{float(high.x - low.x), float(high.y - low.y)};
     for (std::uint32_t f = first; f < faces_; ++f)
       for (std::uint32_t v : mesh_.corners(f))
         mesh_.frozen[v].normal = mesh_.frozen[v].normal + Vec3f(newell_normal(mesh_, f));
@@ -106,8 +118,9 @@ class PlantMesh {
         const std::uint32_t v = mesh_.corner_vertices[c];
         FrozenVertex& frozen = mesh_.frozen[v];
         if (frozen.is_frozen) continue;
-        const Vec2d uv = uv_by_corner_ ? mesh_.corner_uv[c] : mesh_.uv[v];
-        frozen = {true, false, Vec3f(mesh_.positions[v]), normalize(frozen.normal), Vec2f{float(uv.x), float(uv.y)}};
+        const Vec2d uv = uv_of(c);
+        frozen = {true, false, Vec3f(mesh_.positions[v]), normalize(frozen.normal),
+                  on_uv_lattice(Vec2f{float(uv.x), float(uv.y)}, width)};
       }
   }
 

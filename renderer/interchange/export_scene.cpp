@@ -1,5 +1,6 @@
 #include "renderer/interchange/export_scene.h"
 
+#include "geometry/cells/uv_packing.h"
 #include "renderer/interchange/material_looks.h"
 #include "renderer/interchange/surface_welder.h"
 
@@ -21,10 +22,10 @@ class Coloring {
 
   std::vector<MeshVertex> vertices_of(const Tessellation& cell, const SurfaceWelder::Piece& piece) {
     std::vector<MeshVertex> vertices(piece.cell_vertices.size());
+    const std::vector<Vec2f> uv = vertex_uv(cell);
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const std::uint32_t v = piece.cell_vertices[i];
-      const auto& [normal, uv] = cell.attributes[v];
-      vertices[i] = {cell.positions[v], normal.unpack(), cell.leaves[0].uv_frame.unpack(uv), {}};
+      vertices[i] = {cell.positions[v], cell.attributes[v].normal.unpack(), uv[v], {}};
     }
     std::vector<bool> has_color(vertices.size(), false);
     for (const SurfaceWelder::Triangle& t : piece.triangles)

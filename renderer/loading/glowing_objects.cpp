@@ -1,6 +1,7 @@
 #include "renderer/loading/glowing_objects.h"
 
 #include "geometry/cells/shown_surfaces.h"
+#include "geometry/cells/uv_packing.h"
 #include "renderer/lights/triangle_light.h"
 
 #include <algorithm>
@@ -29,6 +30,7 @@ class Triangles {
   Triangles(const Placement& object, int index, Scene& scene) : object_(object), index_(index), scene_(scene) {}
 
   void add(const Tessellation& surface) {
+    uv_ = vertex_uv(surface);
     for_each_triangle(surface, [&](const std::array<std::uint32_t, 3>& corners, std::uint32_t origin) {
       add(surface, corners, origin);
     });
@@ -41,7 +43,7 @@ class Triangles {
     LightTriangle triangle{{}, {}, surface.origins[origin], index_};
     for (std::size_t k = 0; k < 3; ++k) {
       triangle.corners[k] = Vec3f(object_.to_parent.point(Vec3d(surface.positions[corners[k]])));
-      triangle.uv[k] = surface.leaves[0].uv_frame.unpack(surface.attributes[corners[k]].uv);
+      triangle.uv[k] = uv_[corners[k]];
     }
     scene_.lights.push_back(std::make_unique<TriangleLight>(triangle, material));
   }
@@ -49,6 +51,7 @@ class Triangles {
   const Placement& object_;
   const int index_;
   Scene& scene_;
+  std::vector<Vec2f> uv_;  // of the surface
 };
 
 }  // namespace

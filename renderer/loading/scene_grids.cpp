@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -77,6 +78,7 @@ struct PartTriangles {
       for_each_tessellation(surface, [&](const Tessellation& cell, double) {
         for (const Affine3d& place : surface.places) add(cell, place);
       });
+    put_in_order();
   }
 
   void add(const Tessellation& cell, const Affine3d& place) {
@@ -88,6 +90,20 @@ struct PartTriangles {
     if (triangles.size() > max_triangles)
       throw std::runtime_error(
           fmt::format("it has more than {} million triangles at this spacing", max_triangles >> 20));
+  }
+
+  // By where they lie, without those that have no extent: samples are rounded, and must not tell how the part was cut
+  // into cells.
+  void put_in_order() {
+    const auto place = [&](std::uint32_t v) { return std::array{vertices[v].x, vertices[v].y, vertices[v].z}; };
+    const auto places = [&](const std::array<std::uint32_t, 3>& t) {
+      return std::array{place(t[0]), place(t[1]), place(t[2])};
+    };
+    std::erase_if(triangles, [&](const auto& t) {
+      const auto p = places(t);
+      return p[0] == p[1] || p[1] == p[2] || p[2] == p[0];
+    });
+    std::ranges::sort(triangles, {}, places);
   }
 
   std::vector<Vec3f> vertices;

@@ -2,6 +2,7 @@
 
 #include "geometry/base/parallel.h"
 #include "tests/support/point_footprint.h"
+#include "tests/support/shown_corners.h"
 #include "tests/support/test_model.h"
 
 #include <gtest/gtest.h>
@@ -293,13 +294,39 @@ TEST(World, WhatIsResidentSparesAShadowTheExpansionOfOthers) {
   EXPECT_EQ(seen->statistics().cells_expanded, expanded);
 }
 
-TEST(World, FlatHitsAtTheSameDistances) {
-  const auto model = bumpy_model(shapes::cube(), 5, 0.2, small_cells);
-  const auto lazy = world_of(model, {}), flat = world_of(model, {.mode = ExpandMode::Flat});
-  for (int i = 0; i < 2000; ++i) {
-    SurfaceHit a, b;
-    EXPECT_EQ(lazy->intersect(ray_towards(Key(i)), a), flat->intersect(ray_towards(Key(i)), b));
-    EXPECT_EQ(a.t, b.t);
+// Towards vertices of the mesh before its last refinements, which lie on borders of cells: two triangles and more are
+// at one distance there.
+std::vector<Ray> rays_at_borders(const Model& model) {
+  std::vector<Ray> rays;
+  for (const auto& corners : shown_corners(model, nullptr))
+    for (const auto& c : corners) {
+      const Vec3f to{c[0], c[1], c[2]}, from = to * 4.f + Vec3f{0.25f, 1, 0.5f};
+      rays.push_back({from, normalize(to - from)});
+    }
+  return rays;
+}
+
+// Bit for bit, also of rays that pass through vertices and edges.
+TEST(World, RaysMeetTheSameHoweverAModelIsCut) {
+  const auto cut = [](const CellSettings& settings) { return bumpy_model(shapes::prism(5), 4, 0.2, settings); };
+  const std::vector<Ray> rays = rays_at_borders(*cut({}));
+  const auto flat = world_of(cut(small_cells), {.mode = ExpandMode::Flat});
+  std::vector<std::uint64_t> expected;
+  for (const Ray& ray : rays) {
+    SurfaceHit hit;
+    expected.push_back(flat->intersect(ray, hit) ? bits_of(hit) : 0);
+  }
+  for (const CellSettings settings : {CellSettings{4, 16}, small_cells, CellSettings{256, 128}, CellSettings{}}) {
+    const auto lazy = world_of(cut(settings), {});
+    for (const bool has_settled : {false, true}) {
+      std::size_t others = 0;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        SurfaceHit hit;
+        others += (lazy->intersect(rays[i], hit) ? bits_of(hit) : 0) != expected[i];
+      }
+      EXPECT_EQ(others, 0u) << "leaves of " << settings.leaf_faces << (has_settled ? ", settled" : "");
+      lazy->settle();
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include "geometry/cells/expansion.h"
 #include "tests/support/point_footprint.h"
+#include "tests/support/shown_corners.h"
 #include "tests/support/shown_triangles.h"
 #include "tests/support/test_model.h"
 
@@ -31,6 +32,31 @@ TEST(LevelOfDetail, CutIntoCellsOrNotGivesTheSameVertices) {
       whole(*bumpy_model(shapes::prism(7), 6, 0.2, {1u << 20, 1u << 20}), &near);
   EXPECT_TRUE(whole.is_closed());
   EXPECT_TRUE(are_alike(small, whole));
+}
+
+// A mesh of u and v by corner, one edge of whose faces is a seam.
+Mesh with_uv(Mesh mesh) {
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
+    for (std::uint32_t k = 0; k < mesh.corner_count(f); ++k)
+      mesh.corner_uv.push_back({0.13 * double(f) + (k == 1 || k == 2 ? 0.13 : 0), k < 2 ? 0.03 : 41.7});
+  return mesh;
+}
+
+// Bit for bit, with all that is known at their corners. Faces that are done are shown refined in one cell, and by
+// themselves in another; some have no four corners.
+TEST(LevelOfDetail, CutIntoCellsOrNotShowsTheSameTriangles) {
+  const PointFootprint near({1.2, 0.5, 0}, 0.05), fading({1.2, 0.5, 0}, 0.05, true), far({40, 9, 3}, 0.02);
+  for (const Mesh& base : {with_uv(shapes::prism(7)), with_uv(shapes::tetrahedron()), shapes::prism(3)})
+    for (const Footprint* footprint : std::initializer_list<const Footprint*>{&near, &fading, &far, nullptr}) {
+      const int levels = footprint ? 7 : 4;
+      const auto whole = shown_corners(*bumpy_model(base, levels, 0.2, {1u << 20, 1u << 20}), footprint);
+      EXPECT_GT(whole.size(), 10u);
+      for (const CellSettings settings : {CellSettings{4, 16}, small_cells, CellSettings{256, 128}}) {
+        const auto cut = shown_corners(*bumpy_model(base, levels, 0.2, settings), footprint);
+        EXPECT_EQ(cut.size(), whole.size());
+        EXPECT_TRUE(cut == whole) << "leaves of " << settings.leaf_faces;
+      }
+    }
 }
 
 TEST(LevelOfDetail, FacesAreAsLargeAsWanted) {

@@ -3,6 +3,7 @@
 #include "procedural/subdivision/subdivide_step.h"
 #include "tests/procedural/growth/derivation.h"
 #include "tests/support/point_footprint.h"
+#include "tests/support/shown_corners.h"
 
 #include <gtest/gtest.h>
 
@@ -99,6 +100,23 @@ TEST(GrownCells, LieInTightBoxesAndFitTogether) {
       EXPECT_EQ(cells.outside, 0);
       EXPECT_TRUE(cells.is_closed());
       EXPECT_LT(cells.box_area, 8 * cells.real_area) << settings.leaf_faces;
+    }
+  }
+}
+
+// Corners bit for bit, with their normals, u and v: of cells of 64 faces as of a whole that is one cell.
+TEST(GrownCells, ShowTheSameTrianglesHoweverTheyAreCut) {
+  const PointFootprint near({0.3, 0.5, 0}, 0.005), far({3, 0.5, 0}, 0.003), fading({0.3, 0.5, 0}, 0.02, true);
+  const ConstantFootprint huge(0.4);
+  for (const Footprint* footprint : std::initializer_list<const Footprint*>{nullptr, &near, &far, &fading, &huge}) {
+    const auto whole = shown_corners(*shrub({1u << 20, 1u << 20}), footprint);
+    EXPECT_GT(whole.size(), 300u);
+    for (const CellSettings& settings : {small_cells, large_cells, CellSettings{1024, 4096}}) {
+      int leaves = 0;
+      const auto cut = shown_corners(*shrub(settings), footprint, &leaves);
+      EXPECT_GT(leaves, settings.leaf_faces == 64 && footprint != &huge ? 10 : 0);
+      EXPECT_EQ(cut.size(), whole.size());
+      EXPECT_TRUE(cut == whole) << "leaves of " << settings.leaf_faces;
     }
   }
 }
