@@ -16,7 +16,8 @@
 // In media (renderer/scene/medium.h) a ray ends where its flight collides, if no surface comes first: there one light
 // is asked and one direction of the phase function followed, as on a surface. Light on its way to a vertex is dimmed by
 // the media's transmittance. Flights are drawn before their ray is traced, so that nothing is expanded behind a
-// collision.
+// collision; but if somebody asks for the first surface, a camera ray goes on to it, so that what is reported does not
+// depend on where the flight ended.
 //
 // For textures a path is a cone (Akenine-Moeller et al. 2021, "Improved Shader and Texture Level of Detail Using Ray
 // Cones"): as wide as a pixel, spreading as it goes on; a direction that is picked at random with a density by solid
@@ -38,6 +39,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <new>
 #include <optional>
 #include <type_traits>
@@ -167,6 +169,13 @@ class Walk {
     s_.asks_surface = false;
     if (met && s_.any) return;
     const SurfaceHit& hit = point.hit;
+    if (looks_behind_media()) {
+      s_.ray.t_max = std::min(s_.ray.t_max, collision().t);
+      if (met && hit.t > s_.ray.t_max) {
+        report_behind_media(point);
+        met = false;
+      }
+    }
     add_crossed_lights(met ? hit.t : s_.ray.t_max);
     if (!met && std::isfinite(s_.ray.t_max)) return meet_medium();
     if (!met) {
@@ -198,8 +207,22 @@ class Walk {
     s_.ray = ray;
     if (scene_.media.empty()) return;
     RandomStream random(sampler_.next_1d());
+    collision().t = std::numeric_limits<float>::infinity();
     for (const auto& medium : scene_.media)
       if (medium->collide(s_.ray, random, collision())) s_.ray.t_max = collision().t;
+    if (looks_behind_media()) s_.ray.t_max = ray.t_max;
+  }
+
+  // Whether the ray is traced beyond its collision.
+  bool looks_behind_media() const { return first_ && s_.depth == 0 && !scene_.media.empty(); }
+
+  // Without a random number: whether anybody asks must not change the path. So of what is half transparent or less
+  // nothing is reported.
+  void report_behind_media(ShadingPoint& point) {
+    point.wo = -s_.ray.direction;
+    point.footprint = s_.width + s_.spread * point.hit.t;
+    const Bsdf bsdf = scene_.material_of(point.hit).evaluate(point);
+    if (bsdf.opacity > 0.5f) report_first(first_, point.hit, bsdf);
   }
 
   // Asks for the next ray where the flight collides, as meet_surface() does.

@@ -1,5 +1,6 @@
 // Light in media with known answers: a furnace, a glowing slab, one scattering.
 #include "renderer/language/jsonc_reader.h"
+#include "renderer/materials/bsdf.h"
 #include "renderer/media/expression_medium.h"
 #include "renderer/media/phase.h"
 #include "renderer/scene/scene.h"
@@ -26,6 +27,29 @@ struct Nothing : Intersector {
   Bounds3f bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }
 };
 
+// A wall at x = 2, behind the medium.
+struct Wall : Nothing {
+  bool intersect(const Ray& ray, SurfaceHit& hit) const override {
+    hit = {};
+    const float t = (2 - ray.origin.x) / ray.direction.x;
+    if (!(t > ray.t_min && t < ray.t_max)) return false;
+    hit.t = t;
+    hit.position = ray.origin + ray.direction * t;
+    hit.geometric_normal = hit.shading_normal = {-1, 0, 0};
+    hit.origin.material = 0;
+    return true;
+  }
+};
+
+struct Matte : Material {
+  Bsdf evaluate(const ShadingPoint& point) const override {
+    BsdfParameters bsdf;
+    bsdf.diffuse = Spectrum(0.25f);
+    bsdf.f0 = 0;
+    return {bsdf, point};
+  }
+};
+
 // A medium that fills [-1, 1]^3, and a ray through its middle.
 struct Media : testing::Test {
   Media() {
@@ -44,12 +68,12 @@ struct Media : testing::Test {
     made->fill(scene.intersector->bounds());
     scene.media.push_back(std::move(made));
   }
-  Spectrum one(int sample) {
+  Spectrum one(int sample, FirstSurface* first = nullptr) {
     Ray ray;
     ray.origin = {-3, 0, 0};
     ray.direction = {1, 0, 0};
     scene.sampler->start(0, 0, sample, 1);
-    return scene.integrator->radiance(ray, scene, *scene.sampler, counts, nullptr);
+    return scene.integrator->radiance(ray, scene, *scene.sampler, counts, first);
   }
   Spectrum mean(int samples = 16384) {
     scene.prepare();
@@ -101,6 +125,22 @@ TEST_F(Media, TheSameSampleHasTheSameBits) {
   std::vector<Spectrum> first;
   for (int i = 0; i < 200; ++i) first.push_back(one(i));
   for (int i = 199; i >= 0; --i) EXPECT_EQ(one(i), first[std::size_t(i)]);
+}
+
+// What guides a denoiser does not depend on where flights end; and the path not on whether anybody asks.
+TEST_F(Media, TheFirstSurfaceIsSeenThroughTheMatter) {
+  scene.intersector = std::make_unique<Wall>();
+  scene.materials.push_back(std::make_unique<Matte>());
+  scene.lights.push_back(make<Light>(register_constant));
+  add_medium(R"({ "density": 0.6 })");
+  scene.prepare();
+  for (int i = 0; i < 200; ++i) {
+    FirstSurface first;
+    const Spectrum asked = one(i, &first);
+    EXPECT_EQ(asked, one(i));
+    EXPECT_EQ(first.hit.t, 5);
+    EXPECT_EQ(first.albedo, Spectrum(0.25f));
+  }
 }
 
 }  // namespace
