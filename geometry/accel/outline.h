@@ -36,10 +36,19 @@ class Outline {
   float entry(const RaySpan& ray) const;
 
  private:
-  // A plane lies at origin + step * byte, rounded outwards.
+  static constexpr std::size_t group = 8;  // of boxes that are near each other, with one box around them
+  // A plane lies at origin + step * byte, rounded outwards. By axis.
+  template <std::size_t count>
+  struct Boxes {
+    std::array<std::array<std::uint8_t, count>, 3> lower, upper;
+
+    Boxes();  // all are empty
+  };
+  class Slabs;
+
   std::array<float, 3> origin_, step_;
-  std::array<std::array<std::uint8_t, most_boxes>, 3> lower_{}, upper_{};  // by axis
-  std::uint32_t count_;
+  Boxes<most_boxes / group> groups_;
+  Boxes<most_boxes> boxes_;
 };
 
 }  // namespace meristem

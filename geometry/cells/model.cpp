@@ -144,6 +144,14 @@ double Model::estimated_faces(std::uint32_t corners, std::int32_t symbol, int le
   return faces;
 }
 
+double Model::estimated_faces() const {
+  const Mesh& mesh = base_.mesh;
+  double faces = 0;
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
+    faces += estimated_faces(mesh.corner_count(f), mesh.origins[mesh.face_origins[f]].symbol, 0);
+  return faces;
+}
+
 Bounds3d final_bounds(const Model& model, Extent extent, int level) {
   for (int i = level; i < model.levels(); ++i) extent = model.step(i).bound(extent);
   extent.box = extent.smooth_box();

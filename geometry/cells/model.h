@@ -46,6 +46,8 @@ class Model {
   int trailing_refinements(int level) const;
   // An upper bound on the final faces of one face before step `level`; at most 1e18.
   double estimated_faces(std::uint32_t corners, std::int32_t symbol, int level) const;
+  // The sum of these bounds over all faces of the base. Linear.
+  double estimated_faces() const;
   // An upper bound on how far anything that will ever grow on a face reaches beyond it, from `level` on. `radius`: of
   // its corners around its centroid. Where it is more than `enough`, any number above that. Some microseconds a level.
   double growth_reach(const FaceOrigin& origin, const Bounds3d& face, double radius, int level,

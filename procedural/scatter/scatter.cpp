@@ -105,14 +105,6 @@ void extend_by_vertices(const CellMesh& cell, Bounds3f& bounds) {
     for (std::uint32_t v : cell.mesh.corners(f)) bounds.extend(Vec3f(cell.mesh.positions[v]));
 }
 
-double estimated_faces(const Model& model) {
-  const Mesh& mesh = model.base().mesh;
-  double faces = 0;
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
-    faces += model.estimated_faces(mesh.corner_count(f), mesh.origins[mesh.face_origins[f]].symbol, 0);
-  return faces;
-}
-
 // Of one individual, by looking ahead: far closer than what holds for all that a model could grow to. Seen small it
 // stays on one of the first levels, whose vertices stand out from the surface they are smoothed to; those of the levels
 // after them may do so a little. How the model is cut into cells has no part in it: footprints are decided by these.
@@ -120,7 +112,7 @@ Bounds3f individual_bounds(const Part& part, Key individual) {
   if (!part.model || part.placer) return part.bounds;
   const Model& model = *part.model;
   constexpr double few_faces = 4096, most_faces = 1024;
-  if (estimated_faces(model) <= few_faces) return part.bounds;
+  if (model.estimated_faces() <= few_faces) return part.bounds;
   CellMesh cell = root_cell(model, nullptr, individual);
   const std::vector<std::uint32_t> whole(cell.owned_faces, 0);
   const auto outlook = look_ahead(model, cell, 0, whole, 1);

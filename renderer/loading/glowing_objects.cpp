@@ -10,14 +10,6 @@ namespace meristem {
 
 namespace {
 
-double estimated_faces(const Model& model) {
-  const Mesh& mesh = model.base().mesh;
-  double sum = 0;
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
-    sum += model.estimated_faces(mesh.corner_count(f), mesh.origins[mesh.face_origins[f]].symbol, 0);
-  return sum;
-}
-
 const Material& material_of(const Scene& scene, const FaceOrigin& origin) {
   SurfaceHit hit;
   hit.origin = origin;
@@ -62,7 +54,7 @@ void add_glowing_objects(std::vector<Placement>& objects, Scene& scene) {
     if (scene.lights.size() > max_glowing_triangles) return;
     if (objects[i].motion || objects[i].moments) continue;
     const Part& part = *objects[i].part;
-    if (!part.model || part.placer || estimated_faces(*part.model) > max_glowing_faces) continue;
+    if (!part.model || part.placer || part.model->estimated_faces() > max_glowing_faces) continue;
     const std::size_t others = scene.lights.size();
     Triangles triangles(objects[i], int(i), scene);
     for_each_tessellation({part.model, nullptr, objects[i].individual, {}},
