@@ -1,5 +1,5 @@
 // SurfaceTree: boxes over the triangles of a tessellation, and rays through them. Why it is not Embree's grids:
-// docs/decisions.md, "A tree of our own".
+// docs/decisions/rays.md, "A tree of our own".
 //
 // Nodes of eight children whose boxes are kept in bytes (Ylitie et al. 2017, "Efficient Incoherent Ray Traversal on
 // GPUs Through Compressed Wide BVHs"); a child is a node or a block of up to eight triangles that are met at once: two

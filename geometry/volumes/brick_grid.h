@@ -2,7 +2,7 @@
 // eight samples around any place lie in one brick; constant bricks are one number. A pyramid of smallest and largest
 // values over the bricks answers for boxes.
 //
-// Measured against NanoVDB's and OpenVDB's samplers: docs/decisions.md.
+// Measured against NanoVDB's and OpenVDB's samplers: docs/decisions/images.md.
 #pragma once
 
 #include "geometry/fields/grid.h"

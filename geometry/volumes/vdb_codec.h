@@ -1,5 +1,5 @@
 // VdbCodec: what needs OpenVDB, behind a module that is opened at first use (geometry/base/module.h): linked to the
-// program it would cost every start some milliseconds of dynamic linking (docs/decisions.md).
+// program it would cost every start some milliseconds of dynamic linking (docs/decisions/images.md).
 #pragma once
 
 #include "geometry/base/vec.h"

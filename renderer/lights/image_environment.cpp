@@ -5,7 +5,7 @@
 //
 // What the camera sees of it, as a background, is its mean over a cone as wide as half a pixel, or `filter` pixels; all
 // other rays look it up at a point, since they share their light with samples of its brightness
-// (docs/decisions.md "Image environments").
+// (docs/decisions/light.md, "Image environments").
 #include "renderer/image/image.h"
 #include "renderer/lights/distribution_2d.h"
 #include "renderer/lights/panorama.h"

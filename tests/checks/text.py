@@ -1,6 +1,7 @@
 """Reads every text file of ours and names lines that break the habits of the tree: tabs, white space at the end, lines
 over 120 columns in sources, conflict marks, paths of one machine (in the metadata of PNG files, too), hosts of package
-registries, a header without #pragma once, a file that does not end in a line feed.
+registries, a header without #pragma once, a file that does not end in a line feed, links between pages that lead
+nowhere, mentions of pages that are not there.
 
     text.py ROOT          checks the tree
     text.py --self-test   checks this check
@@ -50,6 +51,26 @@ def errors_in_pictures(root):
                 at += 12 + length
 
 
+def anchors_of(page):
+    headings = re.findall(r"^#+ (.+)$", page, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def errors_in_links(root, path, text):
+    if path.suffix == ".md":
+        for target, anchor in re.findall(r"\]\(([^)#:\s]*)(?:#([^)\s]+))?\)", text):
+            page = path.parent / target if target else path
+            if page.relative_to(root).as_posix() in GENERATED:
+                continue
+            if not page.exists():
+                yield f"a link to {target}, which is not there"
+            elif anchor and anchor not in anchors_of(page.read_text(encoding="utf-8")):
+                yield f"a link to {target}#{anchor}, a heading that is not there"
+    for page in set(re.findall(r"\bdocs/[\w/-]*\w\w\.md\b", text)) - GENERATED:
+        if not (root / page).exists():
+            yield f"mentions {page}, which is not there"
+
+
 def errors_in(root):
     yield from errors_in_pictures(root)
     for path in texts_below(root):
@@ -63,6 +84,7 @@ def errors_in(root):
             yield f"{name}: does not end in a line feed"
         if path.suffix == ".h" and "#pragma once" not in text:
             yield f"{name}: no #pragma once"
+        yield from (f"{name}: {error}" for error in errors_in_links(root, path, text))
         for number, line in enumerate(text.split("\n"), 1):
             for pattern, what in LINE_RULES:
                 if re.search(pattern, line):
@@ -84,6 +106,10 @@ def self_test():
         "docs/i.md": ("<" * 7 + " ours\n", "conflict"),
         "docs/z.md": ("\udcff\n", "not UTF-8"),
         "docs/j.md": ("x" * 200 + "\n", None),
+        "docs/l.md": ("[a](m.md)\n", "a link to m.md"),
+        "docs/n.md": ("# No way\n[a](n.md#no-way), [a](#no-way), [a](../geometry/k.h)\n", None),
+        "docs/o.md": ("# No way\n[a](#no-way-out)\n", "a heading"),
+        "geometry/r.h": ("// docs/" + "no.md\n#pragma once\n", "mentions docs/" + "no.md"),
         "geometry/k.h": ("// ../root/x is no such path\n#pragma once\n", None),
     }
     for path, text, expected in [("docs/p.png", "/home" + "/me/meristem", "path of one machine"),
