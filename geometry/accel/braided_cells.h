@@ -33,6 +33,7 @@ class BraidedCells final : public Passage {
   void occluded(RayContext& context, RTCRay& ray) const;
 
   bool empty() const { return !braid_.view().nodes; }
+  const Bounds3f& bounds() const { return braid_.bounds(); }
   StreamRay::Leg leg() const override { return {nullptr, 0, braid_.view(), {}}; }
   void met(std::uint32_t tree, const TreeHit& hit, RayContext& context, RTCRay& ray) const override;
   void intersect_other(std::uint32_t other, RayContext& context, RTCRayHit& ray) const override;

@@ -89,6 +89,10 @@ RayRoute ClassWorlds::route(const Ray& ray) const {
   return {*near.objects, *far.objects, float(near_footprints * size / double(length(ray.direction)))};
 }
 
+void ClassWorlds::tighten() {
+  for (World& world : worlds_) world.objects->tighten();
+}
+
 Bounds3f ClassWorlds::bounds() const {
   Bounds3f all;
   for (const World& world : worlds_) all.extend(world.objects->bounds());

@@ -44,6 +44,7 @@ class ClassWorlds {
 
   RayRoute route(const Ray& ray) const;
   bool empty() const { return worlds_[0].objects->empty(); }
+  void tighten();                               // as Instances::tighten()
   Bounds3f bounds() const;                      // of all worlds
   std::vector<const ModelRoot*> roots() const;  // of all objects, of each world
   std::size_t bytes() const;

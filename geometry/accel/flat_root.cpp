@@ -1,3 +1,4 @@
+#include "geometry/accel/known_cells.h"
 #include "geometry/accel/model_root.h"
 #include "geometry/base/parallel.h"
 
@@ -17,6 +18,12 @@ class FlatRoot final : public ModelRoot, public Passage {
   }
   void occluded(RayContext& context, RTCRay& ray) const override { occlude_with_patch(patch_, context, ray); }
   std::size_t bytes() const override { return sizeof(*this) + patch_.bytes(); }
+  Bounds3f known_bounds() const override {
+    constexpr std::size_t few = 8;
+    Bounds3f known;
+    for (const SurfaceTree::Part& part : patch_.tree().parts(few)) known.extend(part.box);
+    return with_rounding_margin(known);
+  }
 
   const Passage* passage() const override { return patch_.tree().nodes().empty() ? nullptr : this; }
   StreamRay::Leg leg() const override {

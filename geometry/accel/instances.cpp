@@ -1,5 +1,6 @@
 #include "geometry/accel/instances.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace meristem {
@@ -7,6 +8,7 @@ namespace meristem {
 namespace {
 
 Affine3f to_float(const Affine3d& m) { return {Vec3f(m.x), Vec3f(m.y), Vec3f(m.z), Vec3f(m.origin)}; }
+Affine3d to_double(const Affine3f& m) { return {Vec3d(m.x), Vec3d(m.y), Vec3d(m.z), Vec3d(m.origin)}; }
 
 // The ray in the frame of an instance; its direction keeps its length, so t is the same in both.
 void transform(const Affine3f& m, RTCRay& ray) {
@@ -36,6 +38,19 @@ Instance::Instance(std::span<const ModelRoot* const> roots, const Placement& pla
 void Instance::add_roots(std::vector<const ModelRoot*>& roots) const {
   roots.push_back(root_);
   if (special_) roots.insert(roots.end(), special_->later_roots.begin(), special_->later_roots.end());
+}
+
+// A ray in the instance's frame is rounded by up to 2^-24 of where it is outside, some times.
+Bounds3f Instance::known_bounds() const {
+  Bounds3f known = root_->known_bounds();
+  if (special_)
+    for (const ModelRoot* root : special_->later_roots) known.extend(root->known_bounds());
+  if (is_identity() || known.empty()) return known;
+  const Bounds3d exact{Vec3d(known.lower), Vec3d(known.upper)};
+  const Bounds3d placed =
+      special_ && special_->motion ? special_->motion->bounds(exact) : to_double(from_parent_).inverse().bounds(exact);
+  const double farthest = std::max(max_component(abs(placed.lower)), max_component(abs(placed.upper)));
+  return round_outwards(placed.inflated(Vec3d(0x1p-20 * farthest)));
 }
 
 const ModelRoot& Instance::root_at(float time) const {
@@ -108,6 +123,25 @@ Instances::Instances(std::vector<Instance> instances, std::span<const Bounds3f> 
   if (instances_.size() < 2) return;
   scene_.emplace(bounds, BoxContents{this, intersect_one, occlude_one});
   bytes_ += scene_->bytes();
+}
+
+Bounds3f Instances::known_bounds() const {
+  Bounds3f known;
+  for (const Instance& i : instances_) known.extend(i.known_bounds());
+  return known;
+}
+
+void Instances::tighten() {
+  if (!scene_) return;
+  std::vector<Bounds3f> boxes;
+  boxes.reserve(instances_.size());
+  for (const Instance& i : instances_) boxes.push_back(i.known_bounds());
+  const auto same = [](const Bounds3f& a, const Bounds3f& b) { return a.lower == b.lower && a.upper == b.upper; };
+  if (std::ranges::equal(boxes, tightened_, same)) return;
+  bytes_ -= scene_->bytes() + tightened_.capacity() * sizeof(Bounds3f);
+  scene_.emplace(boxes, BoxContents{this, intersect_one, occlude_one});
+  tightened_ = std::move(boxes);
+  bytes_ += scene_->bytes() + tightened_.capacity() * sizeof(Bounds3f);
 }
 
 std::vector<Bounds3f> Instances::few_boxes() const {

@@ -32,6 +32,8 @@ class alignas(64) Instance {
   // As ModelRoot::follow().
   bool follow(CellList::Way way, const Place& place, RayContext& context, RTCRayHit& ray) const;
   void add_roots(std::vector<const ModelRoot*>& roots) const;  // of all moments
+  // Its box in its parent's frame by what is known of its roots, at all times.
+  Bounds3f known_bounds() const;
   std::size_t bytes_beside() const {
     return special_ ? sizeof(Special) + special_->later_roots.capacity() * sizeof(ModelRoot*) : 0;
   }
@@ -97,7 +99,13 @@ class Instances {
   Instance::Place place_of(std::uint32_t index) const {
     return {Key(first_) + index + 1, are_objects_ ? int(index) : -1};
   }
+  // Of all, as they were placed.
   const Bounds3f& bounds() const { return bounds_; }
+  // Makes the boxes as close as the roots are known by now: those of whole models are wide until they have been
+  // expanded. While nothing is traced; call inside run_isolated().
+  void tighten();
+  // Of all, by what is known now.
+  Bounds3f known_bounds() const;
   std::vector<Bounds3f> few_boxes() const;  // of each, if they are few
   bool empty() const { return instances_.empty(); }
   std::vector<const ModelRoot*> roots() const;  // of all, at all moments
@@ -112,7 +120,8 @@ class Instances {
   Bounds3f bounds_;
   const bool are_objects_;
   const std::uint32_t first_;
-  std::optional<BoxScene> scene_;  // none: there is one instance at most
+  std::vector<Bounds3f> tightened_;  // the boxes of the scene, if not those with which it was placed
+  std::optional<BoxScene> scene_;    // none: there is one instance at most
   std::size_t bytes_ = 0;
 };
 

@@ -17,6 +17,8 @@ class LazyRoot final : public ModelRoot {
   const Passage* passage() const override { return braided_ && !braided_->empty() ? braided_.get() : nullptr; }
   std::size_t braid(std::vector<const ModelRoot*>& below) const override;
   void unbraid() const override { braided_.reset(); }
+  void tighten() const override;
+  Bounds3f known_bounds() const override;
   std::size_t bytes() const override { return sizeof(*this); }
   const Part* part() const { return source_.part.get(); }
   const Model& model() const { return *source_.part->model; }
@@ -77,6 +79,7 @@ class LazyRoot final : public ModelRoot {
   const Key name_;                          // of its root cell, for rays that wait
   const Key number_;                        // among those that know their cells
   mutable CacheSlot slot_;
+  mutable std::optional<Bounds3f> known_bounds_;         // once it has been expanded
   mutable std::unique_ptr<const BraidedCells> braided_;  // null: rays go through the cells
 };
 

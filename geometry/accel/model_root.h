@@ -99,7 +99,11 @@ class ModelRoot {
     return 0;
   }
   virtual void unbraid() const {}
+  // As Instances::tighten(), of what stands in a root that is a group: after all below have been braided and tightened.
+  virtual void tighten() const {}
   const Bounds3f& bounds() const { return bounds_; }
+  // Within them, what it holds or may come to hold by all that is known of it now. While nothing is traced.
+  virtual Bounds3f known_bounds() const { return bounds_; }
   virtual std::size_t bytes() const = 0;  // of the root alone, nothing expanded
 
  protected:

@@ -12,6 +12,7 @@
 #include <atomic>
 #include <limits>
 #include <new>
+#include <ranges>
 #include <set>
 
 namespace meristem {
@@ -139,10 +140,12 @@ class World final : public Intersector {
   }
   void settle() override {
     unsettle();
-    if (!has_room_to_keep()) return;
-    cache_.keep_resident();
     try {
-      braid();
+      if (has_room_to_keep()) {
+        cache_.keep_resident();
+        braid();
+      }
+      run_isolated([&] { worlds_->tighten(); });
     } catch (const std::bad_alloc&) {  // rays go through the cells, as before
       unsettle();
     }
@@ -200,6 +203,8 @@ class World final : public Intersector {
         braid_bytes_ += root->braid(roots);
         has_passages_ = has_passages_ || root->passage();
       }
+    // Groups after their members
+    run_isolated([&] { std::ranges::for_each(braided_ | std::views::reverse, &ModelRoot::tighten); });
   }
 
   // What is kept must leave a part of the budget to what will be expanded, and braids cost a few hundredths.

@@ -37,6 +37,7 @@ class Strands {
   }
 
   std::span<Item> items() { return items_; }
+  const Bounds3f& bounds() const { return bounds_; }
   const Braid::Strand& of(const Item& item) const { return strands_[item.source.first]; }
 
  private:
@@ -44,10 +45,12 @@ class Strands {
     const Box box{_mm_setr_ps(b.lower.x, b.lower.y, b.lower.z, 0), _mm_setr_ps(b.upper.x, b.upper.y, b.upper.z, 0)};
     items_.push_back({box, {std::uint32_t(strands_.size()), 0, 1, 1, SurfaceTree::none}});
     strands_.push_back(strand);
+    bounds_.extend(b);
   }
 
   std::vector<Item> items_;
   std::vector<Braid::Strand> strands_;
+  Bounds3f bounds_;
 };
 
 // Nodes and strands in the order in which rays come to them.
@@ -82,6 +85,7 @@ struct Builder {
 
 Braid::Braid(std::span<const Tree> trees, std::span<const Bounds3f> others) {
   Strands strands(trees, others);
+  bounds_ = strands.bounds();
   if (strands.items().empty()) return;
   Builder builder{strands, std::vector<SurfaceTree::Node>(1), {}};
   builder.make_node(0, {strands.items(), tree::extent_of(strands.items())}, 0);

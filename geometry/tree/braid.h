@@ -46,6 +46,7 @@ class Braid {
   // Whether a triangle is met or a visit has made t_max less than 0; stops at the first.
   bool occluded(const TreeRay& ray, float t_min, BraidVisitor& visitor) const;
 
+  const Bounds3f& bounds() const { return bounds_; }  // of all strands and boxes
   std::size_t bytes() const {
     return nodes_.capacity() * sizeof(SurfaceTree::Node) + strands_.capacity() * sizeof(Strand);
   }
@@ -67,6 +68,7 @@ class Braid {
  private:
   std::vector<SurfaceTree::Node> nodes_;
   std::vector<Strand> strands_;
+  Bounds3f bounds_;
 };
 
 }  // namespace meristem

@@ -1,3 +1,5 @@
+#include "geometry/accel/instances.h"
+#include "geometry/accel/tracing.h"
 #include "geometry/accel/world.h"
 #include "tests/support/point_footprint.h"
 #include "tests/support/test_model.h"
@@ -118,6 +120,94 @@ TEST(Instances, NoRayEscapesThroughMixedDetail) {
   }
   EXPECT_EQ(escaped, 0);
   EXPECT_TRUE(world->statistics().defects.empty());
+}
+
+// What rays come to, in wide bounds until more is known.
+class WideRoot : public ModelRoot {
+ public:
+  WideRoot() : ModelRoot({Vec3f(-8), Vec3f(8)}) {}
+  void intersect(RayContext&, RTCRayHit&) const override { ++rays; }
+  void occluded(RayContext&, RTCRay&) const override { ++rays; }
+  Bounds3f known_bounds() const override { return known; }
+  std::size_t bytes() const override { return sizeof(*this); }
+
+  Bounds3f known = bounds();
+  mutable int rays = 0;
+};
+
+// How many roots a ray along z comes to.
+int rays_at(const Instances& instances, const WideRoot& root, float x, float y) {
+  const int before = root.rays;
+  Tracing tracing({{x, y, -100}, {0, 0, 1}}, nullptr);
+  instances.intersect(tracing.context, tracing.query);
+  return root.rays - before;
+}
+
+TEST(Instances, AreEnteredWhereTheirRootsAreKnownToBe) {
+  WideRoot root;
+  const ModelRoot* const roots[] = {&root};
+  const Placement here{.part = nullptr, .to_parent = {}},
+      turned{.part = nullptr, .to_parent = Affine3d::translation({20, 0, 0}) * Affine3d::rotation({0, 0, 1}, pi / 2)};
+  std::vector<Instance> pair;
+  std::vector<Bounds3f> bounds;
+  for (const Placement& p : {here, turned}) {
+    pair.emplace_back(roots, p);
+    bounds.push_back(instance_bounds(roots, p));
+  }
+  Instances instances(std::move(pair), bounds, {}, true, 0);
+  root.known = {{2, -1, -1}, {4, 1, 1}};
+  EXPECT_EQ(rays_at(instances, root, 0, 0), 1) << "as they were placed";
+  instances.tighten();
+  EXPECT_EQ(rays_at(instances, root, 0, 0), 0);
+  EXPECT_EQ(rays_at(instances, root, 3, 0), 1);
+  EXPECT_EQ(rays_at(instances, root, 20, 3), 1) << "turned";
+  EXPECT_EQ(rays_at(instances, root, 23, 0), 0);
+  EXPECT_EQ(instances.bounds().upper.x, 28) << "what depends on the size of all does not change";
+  EXPECT_LT(instances.known_bounds().upper.x, 21.1f);
+  root.known = {{2, -1, -1}, {3.5f, 1, 1}};
+  instances.tighten();
+  EXPECT_EQ(rays_at(instances, root, 3.7f, 0), 0) << "once more";
+}
+
+TEST(Instances, WhatMovesIsEnteredWhereverItMayBe) {
+  WideRoot root;
+  const ModelRoot* const roots[] = {&root};
+  const std::vector<Affine3d> keys{{}, Affine3d::translation({40, 0, 0})};
+  const Placement moving{.part = nullptr, .to_parent = {}, .motion = std::make_shared<const Motion>(keys)},
+      still{.part = nullptr, .to_parent = Affine3d::translation({0, 50, 0})};
+  std::vector<Instance> pair;
+  std::vector<Bounds3f> bounds;
+  for (const Placement& p : {moving, still}) {
+    pair.emplace_back(roots, p);
+    bounds.push_back(instance_bounds(roots, p));
+  }
+  Instances instances(std::move(pair), bounds, {}, true, 0);
+  root.known = {Vec3f(-1), Vec3f(1)};
+  instances.tighten();
+  for (const float x : {0.f, 20.f, 40.f}) EXPECT_EQ(rays_at(instances, root, x, 0), 1) << x;
+  EXPECT_EQ(rays_at(instances, root, 20, 3), 0);
+}
+
+// Groups in groups, turned, with what is far larger before it is known.
+TEST(Instances, SettledGroupsGiveTheSameBits) {
+  const auto cube = part_of(bumpy_model(shapes::cube(), 4, 0.2, small_cells));
+  const auto pair = group_of({{cube, Affine3d::translation({-1, 0, 0}), 3, false},
+                              {cube, Affine3d::rotation({0, 0, 1}, 0.7) * Affine3d::translation({1, 0, 0}), 4, false}});
+  const auto pairs = group_of({{pair, {}, 0, true}, {pair, Affine3d::translation({0, 2.5, 0}), 9, false}});
+  const std::vector<Placement> objects{{pairs, Affine3d::rotation({1, 0, 0}, 0.4), 0, true},
+                                       {pair, Affine3d::translation({0, -2.5, 0}), 11, false}};
+  const auto plain = make_world(objects, {}), settling = make_world(objects, {});
+  for (int round = 0; round < 3; ++round) {
+    for (int i = 0; i < 1000; ++i) {
+      const Ray ray = towards_origin(Key(i));
+      SurfaceHit a, b;
+      ASSERT_EQ(plain->intersect(ray, a), settling->intersect(ray, b)) << i;
+      EXPECT_EQ(a.t, b.t);
+      EXPECT_EQ(a.position, b.position);
+      EXPECT_EQ(a.origin.key, b.origin.key);
+    }
+    settling->settle();
+  }
 }
 
 }  // namespace
