@@ -1,5 +1,6 @@
 #include "renderer/cli/command_line.h"
 
+#include "geometry/base/source.h"
 #include "renderer/cli/commands.h"
 #include "renderer/cli/console.h"
 #include "renderer/cli/manual.h"
@@ -12,8 +13,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <new>
 #include <span>
+#include <string_view>
+#include <vector>
 
 namespace meristem {
 
@@ -23,12 +27,18 @@ constexpr const char* footer =
     "Exit codes: 0 done, 1 internal error, 2 usage or scene, 3 limit or render fault\n"
     "(image written), 4 file, 130 and 143 interrupted (image so far written).";
 
+std::string hint_at(std::string_view word, const std::vector<std::string>& known) {
+  const std::string_view near = nearest_name(word, known);
+  return near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near);
+}
+
 // The program's options and where their values go.
 class CommandLine {
  public:
   CommandLine(const std::string& text, const SceneLoader& load) : load_(load) {
     render_.command_line = merge_.command_line = text;
     app_.set_version_flag("--version", fmt::format("meristem {}", version));
+    app_.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // as wrapping scripts expect
     app_.require_subcommand(1);
     app_.formatter(help_formatter());
     app_.footer(footer);
@@ -52,8 +62,18 @@ class CommandLine {
 
   // Parses, and runs the command that is named.
   int run(int argc, const char* const* argv) {
+    std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+    if (!words.empty() && words[0] == "help") {
+      words.erase(words.begin());
+      if (!words.empty() && !is_command(words[0])) return describe_command(words[0]);
+      words.emplace_back("--help");
+    }
     try {
-      app_.parse(argc, argv);
+      if (!words.empty() && !words[0].starts_with('-') && !is_command(words[0])) throw no_command(words[0]);
+      std::ranges::reverse(words);  // as CLI11 wants them
+      app_.parse(std::move(words));
+    } catch (const CLI::ExtrasError& error) {
+      return app_.exit(unexpected_words(error)), int(ExitCode::Usage);
     } catch (const CLI::ParseError& error) {
       return app_.exit(error) == 0 ? int(ExitCode::Done) : int(ExitCode::Usage);  // 0: --help, --version
     }
@@ -61,6 +81,43 @@ class CommandLine {
   }
 
  private:
+  std::vector<std::string> command_names() const {
+    std::vector<std::string> names;
+    for (const CLI::App* command : app_.get_subcommands([](const CLI::App*) { return true; }))
+      names.push_back(command->get_name());
+    return names;
+  }
+
+  bool is_command(const std::string& word) const {
+    const std::vector<std::string> names = command_names();
+    return std::ranges::find(names, word) != names.end();
+  }
+
+  CLI::ParseError no_command(const std::string& word) const {
+    const std::vector<std::string> names = command_names();
+    return CLI::ExtrasError(
+        fmt::format("no command \"{}\"{}; there are: {}", word, hint_at(word, names), fmt::join(names, ", ")),
+        CLI::ExitCodes::ExtrasError);
+  }
+
+  // The first word that the command does not know; what follows may be its value.
+  CLI::ParseError unexpected_words(const CLI::ExtrasError& error) const {
+    const auto commands = app_.get_subcommands();
+    const std::vector<std::string> extras = commands.empty() ? app_.remaining() : commands[0]->remaining();
+    const auto option = std::ranges::find_if(extras, [](const std::string& w) { return w.starts_with('-'); });
+    if (commands.empty() || extras.empty()) return error;
+    const std::string name = commands[0]->get_name();
+    if (option == extras.end())
+      return CLI::ExtrasError(fmt::format("{}: \"{}\" is one argument too many", name, extras[0]),
+                              error.get_exit_code());
+    std::vector<std::string> known;
+    for (const CLI::Option* o : commands[0]->get_options())
+      for (const std::string& n : o->get_lnames()) known.push_back("--" + n);
+    const std::string given = option->substr(0, option->find('='));
+    return CLI::ExtrasError(fmt::format("{} has no option {}{}", name, given, hint_at(given, known)),
+                            error.get_exit_code());
+  }
+
   void add_render() {
     CLI::App& command = *app_.add_subcommand("render", "render a scene to image files");
     add_scene_argument(command, render_.scene);
@@ -74,7 +131,7 @@ class CommandLine {
 
   void add_merge() {
     CLI::App& command = *app_.add_subcommand("merge", "films of the same image with other samples become one");
-    command.add_option("FILM", merge_.films, "film files")->required();
+    command.add_option("FILM", merge_.films, "film files")->required()->take_all();
     add_output_options(command, merge_.outputs);
     command.get_option("--output")->required();
     command.add_flag("-q,--quiet", merge_.quiet, "say nothing but errors");

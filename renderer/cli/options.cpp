@@ -1,8 +1,13 @@
 #include "renderer/cli/options.h"
 
+#include "renderer/cli/exit_code.h"
 #include "renderer/cli/option_values.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <map>
+#include <ranges>
 #include <tuple>
 
 namespace meristem {
@@ -29,8 +34,20 @@ CLI::Option* add_parsed(CLI::App& app, const std::string& name, const std::strin
             }
           },
           doc)
-      ->type_name(type)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+      ->type_name(type);
+}
+
+// An option that takes one of some words.
+template <class Choices, class Value>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value, const std::string& doc,
+                        const Choices& choices) {
+  return add_parsed(app, name, "", doc, [&value, &choices](const std::string& text) {
+    const auto choice = choices.find(text);
+    if (choice == choices.end())
+      throw UsageError(
+          fmt::format("\"{}\" is not known: expected one of {}", text, fmt::join(std::views::keys(choices), ", ")));
+    value = choice->second;
+  });
 }
 
 // A check by a function that throws what is wrong.
@@ -54,8 +71,7 @@ CLI::Option* repeatable(CLI::Option* option) { return option->take_all()->expect
 void add_expand_option(CLI::App& app, RenderOptions& o) {
   static const std::map<std::string, ExpandMode> modes{
       {"lazy", ExpandMode::Lazy}, {"eager", ExpandMode::Eager}, {"flat", ExpandMode::Flat}};
-  app.add_option("--expand", o.load.expand, "where rays hit; all cells first; without cells")
-      ->transform(CLI::CheckedTransformer(modes).description(""))
+  add_choice(app, "--expand", o.load.expand, "where rays hit; all cells first; without cells", modes)
       ->type_name("lazy|eager|flat")
       ->group(report_group);
 }
@@ -100,8 +116,7 @@ void add_report_options(CLI::App& app, RenderOptions& o) {
   using Style = ProgressDisplay::Style;
   static const std::map<std::string, Style> styles{
       {"bar", Style::Bar}, {"lines", Style::Lines}, {"json", Style::Json}, {"none", Style::None}};
-  app.add_option("--progress", o.progress, "bar, lines, none; json: to standard output")
-      ->transform(CLI::CheckedTransformer(styles).description(""))
+  add_choice(app, "--progress", o.progress, "bar, lines, none; json: to standard output", styles)
       ->type_name("STYLE")
       ->group(report_group);
   CLI::Option* quiet = app.add_flag("-q,--quiet", o.quiet, "say nothing but errors")->group(report_group);
@@ -152,8 +167,7 @@ void add_scene_options(CLI::App& app, RenderOptions& o) {
       "DIRECTORY");
   static const std::map<std::string, RayOrder> orders{
       {"depth-first", RayOrder::DepthFirst}, {"queued", RayOrder::Queued}, {"auto", RayOrder::Auto}};
-  add(app.add_option("--ray-order", o.load.ray_order, "depth-first, queued or auto: do rays wait for cells")
-          ->transform(CLI::CheckedTransformer(orders).description("")),
+  add(add_choice(app, "--ray-order", o.load.ray_order, "depth-first, queued or auto: do rays wait for cells", orders),
       "ORDER");
   add(add_parsed(app, "--queue-memory", "", "of rays that wait for cells: 128M",
                  [&o](const std::string& t) { o.load.queue_bytes = parse_memory(t); }),

@@ -175,6 +175,51 @@ TEST_F(CommandLineTest, UsageErrorsEndAsTwoBeforeAnythingIsLoaded) {
   EXPECT_EQ(folder_.files(), 0u);
 }
 
+TEST_F(CommandLineTest, AWrongWordIsAnsweredWithTheOneThatWasMeant) {
+  const auto answer = [&](const std::vector<std::string>& arguments) {
+    EXPECT_EQ(run(arguments), 2);
+    return error_.substr(0, error_.find('\n'));
+  };
+  EXPECT_TRUE(
+      answer({"rendr", "a.jsonc"}).starts_with("no command \"rendr\"; did you mean \"render\"?; there are: render,"))
+      << error_;
+  EXPECT_EQ(answer({"render", "a.jsonc", "--sampels", "4"}),
+            "render has no option --sampels; did you mean \"--samples\"?");
+  EXPECT_EQ(answer({"render", "a.jsonc", "--sampels=4"}),
+            "render has no option --sampels; did you mean \"--samples\"?");
+  EXPECT_EQ(answer({"merge", "a.film", "-o", "b.exr", "--xyz"}), "merge has no option --xyz");
+  EXPECT_EQ(answer({"render", "a.jsonc", "b.jsonc"}), "render: \"b.jsonc\" is one argument too many");
+  EXPECT_EQ(answer({"render", "a.jsonc", "--expand", "partly"}),
+            "--expand: \"partly\" is not known: expected one of eager, flat, lazy");
+}
+
+TEST_F(CommandLineTest, OfAnOptionGivenTwiceTheLastCounts) {
+  ASSERT_EQ(run({"render", "a.jsonc", "--samples", "4", "--size", "8x8", "--expand", "flat", "--samples", "2", "--size",
+                 "4x4", "--expand", "lazy", "-q", "-q"}),
+            0)
+      << error_;
+  EXPECT_EQ(load_options_.samples, 2);
+  EXPECT_EQ(load_options_.width, 4);
+  EXPECT_EQ(load_options_.expand, ExpandMode::Lazy);
+}
+
+TEST_F(CommandLineTest, HelpNamesACommandOrAComponent) {
+  ASSERT_EQ(run({"--help"}), 0);
+  const std::string all = out_;
+  ASSERT_EQ(run({"help"}), 0);
+  EXPECT_EQ(out_, all);
+  ASSERT_EQ(run({"render", "--help"}), 0);
+  const std::string render = out_;
+  ASSERT_EQ(run({"help", "render"}), 0);
+  EXPECT_EQ(out_, render);
+  ASSERT_EQ(run({"describe", "sky"}), 0);
+  const std::string sky = out_;
+  ASSERT_EQ(run({"help", "sky"}), 0);
+  EXPECT_EQ(out_, sky);
+  EXPECT_EQ(run({"help", "skyy"}), 2);
+  EXPECT_NE(error_.find("did you mean \"sky\"?"), std::string::npos) << error_;
+}
+
 TEST_F(CommandLineTest, SceneErrorsEndAsTwo) {
   for (const char* command : {"render", "check"}) {
     EXPECT_EQ(run({command, "broken.jsonc"}), 2);
