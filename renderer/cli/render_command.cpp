@@ -6,6 +6,7 @@
 #include "renderer/cli/film_identity.h"
 #include "renderer/cli/render_metadata.h"
 #include "renderer/denoise/denoise.h"
+#include "renderer/image/texture.h"
 #include "renderer/report/statistics.h"
 #include "renderer/session/interruption.h"
 #include "renderer/session/process_clock.h"
@@ -57,7 +58,9 @@ bool report_faults(const RenderStatistics& s) {
   if (s.expansion.invalid_rays > 0)
     print_error(
         fmt::format("warning: {} rays were not finite and hit nothing", format_count(s.expansion.invalid_rays)));
-  return s.image.nonfinite > 0 || s.expansion.failed > 0;
+  const std::vector<std::string> textures = texture_faults();
+  for (const std::string& fault : textures) print_error("warning: " + fault);
+  return s.image.nonfinite > 0 || s.expansion.failed > 0 || !textures.empty();
 }
 
 // Opens the module that some formats need while rays are traced: from the first report of progress on, when the first

@@ -23,6 +23,8 @@ class ImageCodec {
   virtual std::vector<unsigned char> encode(const std::string& path, ImageFormat format, const Image& image,
                                             const Metadata& metadata, const WriteOptions& options) const = 0;
   virtual std::unique_ptr<const Texture> open_texture(const std::string& path, const TextureOptions& options) const = 0;
+  // See renderer/image/texture.h.
+  virtual std::vector<std::string> texture_faults() const = 0;
 
  protected:
   ~ImageCodec() = default;

@@ -11,6 +11,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace meristem {
 
@@ -32,12 +33,15 @@ class Texture {
  public:
   virtual ~Texture() = default;
   // u to the right, v up, the image in [0, 1]^2; grey three times if the file has no colour. Any thread. A tile that
-  // cannot be read is black.
+  // cannot be read is black, and a fault.
   virtual Vec3f mean(Vec2f uv, const TextureFootprint& footprint) const = 0;
   Vec3f at(Vec2f uv) const { return mean(uv, {}); }
 };
 
 // Throws a FileError if the file is missing or not such an image.
 std::unique_ptr<const Texture> open_texture(const std::string& path, const TextureOptions& options);
+
+// Of all textures of this process: files of which a part could not be read when it was looked up, with the reason.
+std::vector<std::string> texture_faults();
 
 }  // namespace meristem

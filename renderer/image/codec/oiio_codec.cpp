@@ -158,6 +158,8 @@ class OiioCodec final : public ImageCodec {
     open_checked(path, spec);
     return make_oiio_texture(path, options);
   }
+
+  std::vector<std::string> texture_faults() const override { return oiio_texture_faults(); }
 };
 
 }  // namespace

@@ -9,7 +9,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <map>
+#include <mutex>
 
 namespace meristem {
 namespace {
@@ -50,12 +53,37 @@ bool is_encoded(const std::string& path, TextureEncoding encoding) {
   return texture_system().get_imagespec(OIIO::ustring(path), 0, spec) && !spec.format.is_floating_point();
 }
 
+// What kept a file from being read, by its path; the first reason stays. Any thread.
+class TextureFaults {
+ public:
+  void note(const std::string& path, std::string reason) {
+    const std::lock_guard lock(mutex_);
+    reasons_.emplace(path, std::move(reason));
+  }
+  std::vector<std::string> list() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::string> messages;
+    for (const auto& [path, reason] : reasons_)
+      messages.push_back(fmt::format("texture {} cannot be read in full, and is black there: {}", path, reason));
+    return messages;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::string, std::string> reasons_;
+};
+
+TextureFaults& noted_faults() {
+  static auto* const faults = new TextureFaults;  // never destroyed, as the texture system
+  return *faults;
+}
+
 // Longer footprints are looked up as if they were wider: the error of a plane to the horizon is that of 16.
 constexpr int most_aspect = 8;
 
 class OiioTexture final : public Texture {
  public:
-  OiioTexture(const std::string& path, const TextureOptions& options) : wrap_(wrap_of(options.wrap)) {
+  OiioTexture(const std::string& path, const TextureOptions& options) : path_(path), wrap_(wrap_of(options.wrap)) {
     OIIO::TextureSystem& system = texture_system();
     const OIIO::ustring name = is_encoded(path, options.encoding) ? decoded_name(path) : OIIO::ustring(path);
     handle_ = system.get_texture_handle(name);
@@ -80,7 +108,9 @@ class OiioTexture final : public Texture {
     const bool good = system.texture(handle_, system.get_perthread_info(), options, uv.x, 1 - uv.y, a.x, -a.y, b.x,
                                      -b.y, channels_, c.data());
     if (!good) {
-      system.geterror();  // or messages pile up
+      const std::string reasons = system.geterror();  // asked for every time, or they pile up
+      if (!is_faulty_.exchange(true, std::memory_order_relaxed))
+        noted_faults().note(path_, reasons.substr(0, reasons.find('\n')));
       return {};
     }
     if (channels_ < 3) c[1] = c[2] = c[0];
@@ -88,9 +118,11 @@ class OiioTexture final : public Texture {
   }
 
  private:
+  const std::string path_;
   OIIO::TextureSystem::TextureHandle* handle_;
   OIIO::TextureOpt::Wrap wrap_;
   int channels_ = 3;
+  mutable std::atomic<bool> is_faulty_{false};
 };
 
 }  // namespace
@@ -98,5 +130,7 @@ class OiioTexture final : public Texture {
 std::unique_ptr<const Texture> make_oiio_texture(const std::string& path, const TextureOptions& options) {
   return std::make_unique<OiioTexture>(path, options);
 }
+
+std::vector<std::string> oiio_texture_faults() { return noted_faults().list(); }
 
 }  // namespace meristem

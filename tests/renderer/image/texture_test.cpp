@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -79,6 +80,24 @@ TEST(Texture, AlphaDoesNotDimColours) {
   write_image(folder / "a.png", Image{1, 1, 4, {1, 1, 1, 0.25f}});
   for (const TextureEncoding encoding : {TextureEncoding::Srgb, TextureEncoding::Linear})
     EXPECT_EQ(open_texture(folder / "a.png", {.encoding = encoding})->at({0.5f, 0.5f}).y, 1);
+}
+
+TEST(Texture, AFileThatBreaksOffIsAFault) {
+  const ScratchFolder folder;
+  Image image{64, 64, 3, std::vector<float>(64 * 64 * 3)};
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = float(i * 7919 % 256) / 255;
+  write_image(folder / "whole.png", image, {}, {});
+  const std::string bytes = read_text(folder / "whole.png");
+  write_file(folder / "half.png", bytes.substr(0, bytes.size() / 2));
+  const auto faults_of = [&](const std::string& file) {
+    return std::ranges::count_if(texture_faults(), [&](const std::string& f) { return f.find(file) != f.npos; });
+  };
+  open_texture(folder / "whole.png", {})->at({0.5f, 0.1f});
+  EXPECT_EQ(faults_of("whole.png"), 0);
+  const auto half = open_texture(folder / "half.png", {});
+  EXPECT_EQ(faults_of("half.png"), 0) << "nothing has been looked up yet";
+  for (const float u : {0.2f, 0.5f, 0.8f}) EXPECT_EQ(half->at({u, 0.1f}).x, 0);
+  EXPECT_EQ(faults_of("half.png"), 1);
 }
 
 TEST(Texture, RefusesWhatIsNotAnImage) {
