@@ -61,6 +61,16 @@ class OpenVdbSource final : public VoxelSource {
   mutable openvdb::FloatGrid::ConstAccessor accessor_;
 };
 
+// OpenVDB quotes what it read, and of a broken file that may be anything: a name of half a gigabyte, too.
+std::string shortened(std::string text) {
+  constexpr std::size_t most = 200;
+  std::erase_if(text,
+                [](char c) { return static_cast<unsigned char>(c) < ' ' || static_cast<unsigned char>(c) > '~'; });
+  const auto [end, last] = std::ranges::unique(text, [](char a, char b) { return a == ' ' && b == ' '; });
+  text.erase(end, last);
+  return text.size() <= most ? text : text.substr(0, most) + "...; the file seems to be damaged";
+}
+
 // The same failures with a reason in words; OpenVDB's own exceptions begin with their class.
 template <class Function>
 auto with_plain_errors(const Function& f) {
@@ -69,7 +79,7 @@ auto with_plain_errors(const Function& f) {
   } catch (const openvdb::Exception& error) {
     const std::string text = error.what();
     const std::size_t colon = text.find(": ");
-    throw std::runtime_error(colon == text.npos ? text : text.substr(colon + 2));
+    throw std::runtime_error(shortened(colon == text.npos ? text : text.substr(colon + 2)));
   }
 }
 
