@@ -151,7 +151,8 @@ class GlbWriter final : public MeshWriter {
                     R"({{"buffer":0,"byteOffset":{},"byteLength":{},"target":{}}})",
                     vertices_.size(), stride_, array_buffer, vertices_.size(), indices_.size(), element_array_buffer);
     std::string text = R"({"asset":{"version":"2.0","generator":"meristem"},)";
-    text += R"("extensionsUsed":["KHR_materials_ior","KHR_materials_transmission","KHR_materials_emissive_strength"],)";
+    text += R"("extensionsUsed":["KHR_materials_clearcoat","KHR_materials_ior","KHR_materials_transmission",)"
+            R"("KHR_materials_emissive_strength"],)";
     text += fmt::format(R"("scene":0,"scenes":[{{"nodes":[{}]}}],"nodes":{},)", fmt::join(roots, ","), nodes_.text());
     text += fmt::format(R"("cameras":[{}],)", camera_text(camera));
     text += fmt::format(R"("materials":{})", material_list.text());
@@ -185,6 +186,12 @@ class GlbWriter final : public MeshWriter {
     return fmt::format(R"({{"name":{},"primitives":{}}})", json_quoted(s.name), primitives.text());
   }
 
+  static std::string coat_text(const MaterialLook& m) {
+    if (m.coat <= 0) return "";
+    return fmt::format(R"("KHR_materials_clearcoat":{{"clearcoatFactor":{},"clearcoatRoughnessFactor":{}}},)", m.coat,
+                       m.coat_roughness);
+  }
+
   static std::string material_text(const MaterialLook& m) {
     const Spectrum c = m.varies ? Spectrum(1) : m.base_color;
     const float strength = std::max(max_component(m.emission), 0.f);
@@ -192,9 +199,9 @@ class GlbWriter final : public MeshWriter {
     return fmt::format(R"({{"name":{},"doubleSided":true{},"pbrMetallicRoughness":{{"baseColorFactor":[{},{},{},{}],)"
                        R"("metallicFactor":{},"roughnessFactor":{}}},"emissiveFactor":[{},{},{}],"extensions":{{)"
                        R"("KHR_materials_ior":{{"ior":{}}},"KHR_materials_transmission":{{"transmissionFactor":{}}},)"
-                       R"("KHR_materials_emissive_strength":{{"emissiveStrength":{}}}}}}})",
+                       R"({}"KHR_materials_emissive_strength":{{"emissiveStrength":{}}}}}}})",
                        json_quoted(m.name), m.opacity < 1 ? R"(,"alphaMode":"BLEND")" : "", c.x, c.y, c.z, m.opacity,
-                       m.metalness, m.roughness, glow.x, glow.y, glow.z, m.ior, m.transmission, strength);
+                       m.metalness, m.roughness, glow.x, glow.y, glow.z, m.ior, m.transmission, coat_text(m), strength);
   }
 
   AtomicFile file_;

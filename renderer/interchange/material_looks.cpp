@@ -18,7 +18,10 @@ MaterialLook look_of(const BsdfParameters& bsdf) {
   look.base_color = mixed(dielectric, bsdf.metal_f0, bsdf.metalness);
   look.metalness = bsdf.metalness;
   look.roughness = std::sqrt(bsdf.alpha);
-  look.ior = ggx::eta_of(bsdf.f0);
+  // The surface itself: f0 is that of the surface under the coat
+  look.ior = ggx::eta_of(bsdf.f0) * std::lerp(1.f, ggx::eta_of(bsdf.coat_f0), bsdf.coat);
+  look.coat = bsdf.coat;
+  look.coat_roughness = bsdf.coat > 0 ? std::sqrt(bsdf.coat_alpha) : 0;
   look.transmission = bsdf.glass;
   look.opacity = bsdf.opacity;
   look.emission = bsdf.emission;
@@ -69,6 +72,8 @@ Spectrum MaterialLooks::color_at(const FaceOrigin& origin, Vec3f position, Vec3f
   mean.metalness = std::lerp(mean.metalness, look.metalness, share);
   mean.roughness = std::lerp(mean.roughness, look.roughness, share);
   mean.ior = std::lerp(mean.ior, look.ior, share);
+  mean.coat = std::lerp(mean.coat, look.coat, share);
+  mean.coat_roughness = std::lerp(mean.coat_roughness, look.coat_roughness, share);
   mean.transmission = std::lerp(mean.transmission, look.transmission, share);
   mean.opacity = std::lerp(mean.opacity, look.opacity, share);
   mean.emission = mixed(mean.emission, look.emission, share);

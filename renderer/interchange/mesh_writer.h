@@ -21,6 +21,7 @@ struct MaterialLook {
   Spectrum base_color{0.8f, 0.8f, 0.8f};
   float metalness = 0, roughness = 0.3f, ior = 1.5f;
   float transmission = 0;  // as of glass
+  float coat = 0, coat_roughness = 0;
   float opacity = 1;
   Spectrum emission{};
   bool varies = false;  // then vertices have the colour

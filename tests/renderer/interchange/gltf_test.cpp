@@ -41,7 +41,8 @@ LoadedScene load(const std::string& path, bool keep_objects) {
 
 constexpr const char* two_boxes = R"({
   "materials": { "red": { "base_color": [0.5, 0.1, 0.1], "specular_roughness": 0.6 },
-                 "gold": { "base_color": [1, 0.8, 0.3], "base_metalness": 1 } },
+                 "gold": { "base_color": [1, 0.8, 0.3], "base_metalness": 1 },
+                 "lacquer": { "specular_ior": 1.45, "coat_weight": 0.75, "coat_roughness": 0.25 } },
   "models": { "box": { "base": { "type": "box" }, "material": "red" },
               "ball": { "base": { "type": "sphere" }, "material": "gold", "steps": [ { "subdivide": 3 } ] } },
   "objects": [ { "model": "box" }, { "model": "box", "position": [3, 0, 0], "rotate": [0, 45, 0], "scale": [1, 2, -1] },
@@ -93,6 +94,11 @@ TEST(Gltf, RoundTrip) {
   const Value& gold = foreign.materials[2].value;
   EXPECT_EQ(gold.find("base_metalness")->text, "1");
   EXPECT_EQ(gold.find("base_color")->text.substr(0, 4), "[1, ");
+  EXPECT_EQ(gold.find("coat_weight"), nullptr);
+  const Value& lacquer = foreign.materials[3].value;
+  EXPECT_NEAR(lacquer.find("coat_weight")->number, 0.75, 1e-5);
+  EXPECT_NEAR(lacquer.find("coat_roughness")->number, 0.25, 1e-5);
+  EXPECT_NEAR(lacquer.find("specular_ior")->number, 1.45, 1e-4) << "that of the surface, not of it under its coat";
 }
 
 TEST(Gltf, ACameraWithoutPerspectiveStaysOne) {
