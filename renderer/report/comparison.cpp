@@ -19,6 +19,7 @@ namespace meristem {
 
 namespace {
 
+constexpr int usage_code = 2;   // of `meristem render`: the scene or an option is wrong
 constexpr int faults_code = 3;  // of `meristem render`: a limit was reached or cells failed; the image was written
 constexpr std::uint64_t no_limit = std::uint64_t(1) << 50;
 
@@ -118,7 +119,7 @@ class Renderings {
     return run_child(arguments);
   }
 
-  // False if the user wants no more.
+  // False if the user wants no more, or the first rendering says that all of them would fail.
   bool measure(std::size_t i, int run) {
     Variant& v = variants()[i];
     if (v.exit_code != 0 || !resolve_budget(v)) return true;
@@ -130,7 +131,7 @@ class Renderings {
       v.runs.push_back(run_figures(read_statistics(stats)));
     else
       v.exit_code = code;
-    return !was_interrupted(code);
+    return !was_interrupted(code) && !(code == usage_code && i == 0);
   }
 
   bool record(std::size_t i) {

@@ -127,10 +127,20 @@ Value statistics_value(const RenderStatistics& s) {
   return value;
 }
 
+namespace {
+
+// "16", or "5.86 of 4096" where the render was stopped, or its noise was low enough.
+std::string samples_text(const RenderStatistics& s) {
+  const double pixels = double(s.image.width) * double(s.image.height), mean = double(s.samples_taken) / pixels;
+  return mean < s.samples ? fmt::format("{:.3g} of {}", mean, s.samples) : fmt::format("{}", s.samples);
+}
+
+}  // namespace
+
 std::string summary(const RenderStatistics& s) {
   std::string text = fmt::format(
       "{} x {} pixels, {} samples in {:.2f} s (first pixel {}), {} rays at {}, {} at most", s.image.width,
-      s.image.height, s.samples, s.wall_s, s.first_pixel_s ? fmt::format("{:.2f} s", *s.first_pixel_s) : "never",
+      s.image.height, samples_text(s), s.wall_s, s.first_pixel_s ? fmt::format("{:.2f} s", *s.first_pixel_s) : "never",
       format_count(s.total_rays()), format_rate(s.rays_per_s()), format_bytes(s.peak_rss_bytes));
   if (s.expansion.cells_expanded > 0)
     text += fmt::format("; expanded {} cells to {} faces", format_count(s.expansion.cells_expanded),

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <sstream>
 
@@ -135,6 +136,14 @@ TEST(Comparison, AFailedModeIsReportedAndTheOthersGoOn) {
   EXPECT_EQ(c.variants[1].runs.size(), 0u);
   EXPECT_EQ(c.variants[2].runs.size(), 2u);
   EXPECT_NE(comparison_table(c).find("eager                  failed with exit code 1"), std::string::npos);
+}
+
+TEST(Comparison, AWrongSceneIsToldOnce) {
+  const FakeRenderer renderer;
+  for (const char* mode : {"lazy", "eager", "flat"}) renderer.fail(mode, 2);
+  const Comparison c = compare_modes(renderer.options(3));
+  EXPECT_EQ(c.exit_code(), 2);
+  EXPECT_EQ(std::ranges::count(renderer.calls(), '\n'), 1) << renderer.calls();
 }
 
 TEST(Comparison, FaultsAreSaidAndTheImageIsCompared) {

@@ -25,6 +25,7 @@ RenderStatistics sample_statistics() {
   s.threads = 2;
   s.rays = {.camera = 1000000, .bounce = 2000000, .shadow = 3000000, .escaped = 7};
   s.samples = 16;
+  s.samples_taken = 640 * 360 * 16;
   s.image = {640, 360, 5, std::string(64, 'b')};
   s.expansion.cells_expanded = 1234;
   s.expansion.faces = 5678901;
@@ -87,6 +88,9 @@ TEST(RenderStatistics, TextIsForPeople) {
   EXPECT_EQ(summary(sample_statistics()),
             "640 x 360 pixels, 16 samples in 2.50 s (first pixel 0.38 s), 6,000,000 rays at 3.00 M/s, 3.0 MiB at most; "
             "expanded 1,234 cells to 5,678,901 faces");
+  RenderStatistics stopped = sample_statistics();
+  stopped.samples_taken = 640 * 360 * 11 / 2;
+  EXPECT_TRUE(summary(stopped).starts_with("640 x 360 pixels, 5.5 of 16 samples in 2.50 s")) << summary(stopped);
   EXPECT_NE(details(sample_statistics()).find("subdivide 1"), std::string::npos);
   EXPECT_EQ(format_bytes(1023), "1023 B");
   EXPECT_EQ(format_bytes(std::uint64_t(3) << 40), "3.0 TiB");
