@@ -60,6 +60,7 @@ class ModelBuilder {
 
   Mesh build_base(const ModelSection& section, Params& params) {
     const int material = context_.material_index(section.material, params.location_of("material"));
+    const std::size_t said_before = diagnostics_.list().size();
     const auto shape = all_components().bases.create(*section.base, "", diagnostics_);
     if (!shape) return {};
     const Value* type = section.base->find("type");
@@ -75,7 +76,7 @@ class ModelBuilder {
     steps_ = shape->growth(context, section.steps && has_subdivision(*section.steps));
     if (const std::string defect = manifold_defect(mesh); !defect.empty())
       diagnostics_.error(section.base->location, fmt::format("the base mesh is not a manifold: {}", defect));
-    else if (mesh.face_count() == 0)
+    else if (mesh.face_count() == 0 && diagnostics_.list().size() == said_before)  // else it has been said why
       diagnostics_.error(section.base->location, "the base mesh has no faces");
     return mesh;
   }

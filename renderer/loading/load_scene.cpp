@@ -158,14 +158,17 @@ class SceneBuilder {
   }
 
   void check_budget(const std::vector<Placement>& world, const WorldOptions& options, const Location& where) {
-    constexpr double mebibyte = 1 << 20;
-    const double least = double(least_budget(world, options)) / mebibyte,
-                 given = double(options.budget_bytes) / mebibyte;
-    if (given >= least) return;
-    diagnostics_.error(where,
-                       fmt::format("the budget of {:.3g} MiB is too small: a ray of each of {} threads needs {:.3g} "
-                                   "MiB; at least --budget {:.0f}M, or fewer --threads",
-                                   given, options.threads, least, std::ceil(least)));
+    constexpr double kibibyte = 1 << 10, mebibyte = 1 << 20;
+    const auto shown = [](std::uint64_t bytes) {
+      return double(bytes) < mebibyte ? fmt::format("{:.3g} KiB", double(bytes) / kibibyte)
+                                      : fmt::format("{:.4g} MiB", double(bytes) / mebibyte);
+    };
+    const std::uint64_t least = least_budget(world, options);
+    if (options.budget_bytes >= least) return;
+    diagnostics_.error(where, fmt::format("the budget of {} is too small: a ray of each of {} threads needs {}; at "
+                                          "least --budget {:.0f}M, or fewer --threads",
+                                          shown(options.budget_bytes), options.threads, shown(least),
+                                          std::ceil(double(least) / mebibyte)));
     diagnostics_.throw_if_errors();
   }
 
@@ -284,11 +287,16 @@ class SceneBuilder {
     if (!chosen && cameras)
       for (const Member& m : cameras->members)
         if (options_.camera.empty() ? !chosen : m.key == options_.camera) chosen = &m.value;
-    if (!chosen)
-      diagnostics_.error(file.location, options_.camera.empty() ? std::string("the scene has no \"camera\"")
-                                                                : fmt::format("no camera named \"{}\"; known: {}",
-                                                                              options_.camera, fmt::join(names, ", ")));
+    if (!chosen) diagnostics_.error(camera ? camera->location : file.location, missing_camera(names));
     if (chosen) make_camera(*chosen);
+  }
+
+  std::string missing_camera(const std::vector<std::string>& names) const {
+    if (options_.camera.empty()) return "the scene has no \"camera\"";
+    if (names.empty())
+      return fmt::format("no camera named \"{}\": the scene's only one has no name; --camera chooses among \"cameras\"",
+                         options_.camera);
+    return fmt::format("no camera named \"{}\"; known: {}", options_.camera, fmt::join(names, ", "));
   }
 
   void make_camera(const Value& chosen) {

@@ -146,6 +146,25 @@ TEST_F(WholeProgram, RefusesMissingSections) {
   expect_refused(R"({ "objects": [ {} ], "camera": {} })", {"\"model\""});
 }
 
+TEST_F(WholeProgram, TheOnlyCameraHasNoName) {
+  EXPECT_EQ(run(scene_with("{ \"base\": { \"type\": \"box\" } }"), {"render", "a.jsonc", "--camera", "side"}), 2);
+  EXPECT_NE(error_.find("no camera named \"side\": the scene's only one has no name"), std::string::npos) << error_;
+  EXPECT_EQ(run(R"({ "cameras": { "a": {}, "b": {} } })", {"render", "a.jsonc", "--camera", "side"}), 2);
+  EXPECT_NE(error_.find("no camera named \"side\"; known: a, b"), std::string::npos) << error_;
+}
+
+TEST_F(WholeProgram, ABudgetThatIsTooSmallIsToldInItsOwnUnit) {
+  EXPECT_EQ(run(branch_scene(), {"render", "a.jsonc", "--budget", "2K"}), 2);
+  EXPECT_NE(error_.find("the budget of 2 KiB is too small"), std::string::npos) << error_;
+}
+
+TEST_F(WholeProgram, AMeshThatCannotBeReadIsOneError) {
+  std::ofstream(folder_ / "b.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
+  EXPECT_EQ(run(scene_with(R"({ "base": { "type": "mesh", "file": "b.obj" } })"), {"check", "a.jsonc"}), 2);
+  EXPECT_NE(error_.find("there is no vertex 9"), std::string::npos) << error_;
+  EXPECT_EQ(error_.find("has no faces"), std::string::npos) << error_;
+}
+
 TEST_F(WholeProgram, RefusesWrongRayClassDetail) {
   const auto with = [](const std::string& detail) {
     return R"({ "camera": {}, "render": { "ray_class_detail": )" + detail + " } }";
