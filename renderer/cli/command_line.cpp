@@ -219,6 +219,13 @@ class CommandLine {
   int exit_code_ = 0;
 };
 
+// As it is typed: in metadata and reports the command line can be copied back to a shell.
+std::string shell_word(const std::string& word) {
+  constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:=,+%@^";
+  if (!word.empty() && word.find_first_not_of(plain) == word.npos) return word;
+  return fmt::format("'{}'", CLI::detail::find_and_replace(word, "'", "'\\''"));
+}
+
 int fail(ExitCode code, const std::string& message) {
   print_error("error: " + message);
   return int(code);
@@ -228,7 +235,9 @@ int fail(ExitCode code, const std::string& message) {
 
 int run_command_line(int argc, const char* const* argv, const SceneLoader& load) {
   try {
-    const std::string text = fmt::format("{}", fmt::join(std::span(argv, std::size_t(argc)), " "));
+    std::vector<std::string> words;
+    for (const char* word : std::span(argv, std::size_t(argc))) words.push_back(shell_word(word));
+    const std::string text = fmt::format("{}", fmt::join(words, " "));
     return CommandLine(text, load).run(argc, argv);
   } catch (const SceneErrors& errors) {
     print_diagnostics(errors.list());
@@ -240,7 +249,7 @@ int run_command_line(int argc, const char* const* argv, const SceneLoader& load)
   } catch (const FileError& error) {
     return fail(ExitCode::File, error.what());
   } catch (const std::bad_alloc&) {
-    return fail(ExitCode::Internal, "out of memory; --budget limits the geometry cache");
+    return fail(ExitCode::Internal, "out of memory; --budget limits the geometry cache, --size the film");
   } catch (const std::exception& error) {
     return fail(ExitCode::Internal, fmt::format("internal: {}", error.what()));
   }

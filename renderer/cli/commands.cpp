@@ -1,6 +1,7 @@
 #include "renderer/cli/commands.h"
 
 #include "renderer/cli/console.h"
+#include "renderer/cli/outputs.h"
 #include "renderer/language/describe.h"
 #include "renderer/language/json_writer.h"
 #include "renderer/language/schema.h"
@@ -10,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 namespace meristem {
@@ -43,6 +45,7 @@ std::vector<std::string> hint_texts(const Value& statistics) {
 
 int compare_command(const CompareOptions& options) {
   if (options.scene == "-") throw UsageError("compare reads the scene several times: it needs a file");
+  check_targets(options.scene, {options.page});
   if (!options.page.empty()) check_writable(options.page);
   ComparisonOptions comparison_options;
   comparison_options.scene = options.scene;
@@ -55,6 +58,8 @@ int compare_command(const CompareOptions& options) {
                         : fmt::format("recording {}", name));
   };
   const Comparison comparison = compare_modes(comparison_options);
+  if (std::ranges::all_of(comparison.variants, [](const Variant& v) { return v.runs.empty(); }))
+    return comparison.exit_code();  // why has been said
   print_result(options.json ? comparison_json(comparison) : comparison_table(comparison));
   if (!options.page.empty()) {
     write_file(options.page, report_page(comparison_page_data(comparison, options.command_line)));
@@ -67,6 +72,7 @@ int profile_command(const ProfileOptions& options) {
   if (options.scene == "-") throw UsageError("profile starts another process: it needs a file");
   const std::string page =
       options.page.empty() ? std::filesystem::path(options.scene).stem().string() + ".html" : options.page;
+  check_targets(options.scene, {page, options.statistics, options.trace});
   check_writable(page);
   if (!options.statistics.empty()) check_writable(options.statistics);
   ProfileRunOptions run_options;

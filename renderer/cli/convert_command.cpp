@@ -2,6 +2,7 @@
 
 #include "renderer/cli/console.h"
 #include "renderer/cli/exit_code.h"
+#include "renderer/cli/outputs.h"
 #include "renderer/image/atomic_file.h"
 #include "renderer/interchange/gltf_reader.h"
 #include "renderer/interchange/pbrt_reader.h"
@@ -11,6 +12,7 @@
 namespace meristem {
 
 int convert_command(const ConvertOptions& options) {
+  check_targets(options.input, {options.output});
   check_writable(options.output);
   Diagnostics diagnostics;
   AssetFolder assets(options.output);

@@ -65,6 +65,7 @@ void warn_of_gaps(const FilmFile& file) {
 }  // namespace
 
 int merge_command(const MergeOptions& options) {
+  check_targets("", options.outputs.files);  // a film may take the place of one that went into it
   const Outputs outputs(options.outputs);
   FilmFile sum = read_film_file(options.films[0]);
   for (std::size_t i = 1; i < options.films.size(); ++i) {

@@ -44,6 +44,45 @@ void check_extension(const std::string& path) {
   }
 }
 
+void check_targets(const std::string& input, const std::vector<std::string>& targets) {
+  const auto place = [](const std::string& path) {
+    std::error_code error;
+    const std::filesystem::path followed = std::filesystem::weakly_canonical(std::filesystem::absolute(path), error);
+    return error ? path : followed.string();
+  };
+  std::vector<std::string> taken;
+  if (!input.empty() && input != "-") taken.push_back(place(input));
+  const std::size_t inputs = taken.size();
+  for (const std::string& path : targets) {
+    if (path.empty()) continue;
+    const auto same = std::ranges::find(taken, place(path));
+    if (same != taken.end())
+      throw UsageError(std::size_t(same - taken.begin()) < inputs
+                           ? fmt::format("{} would be written over: it is what the command reads", path)
+                           : fmt::format("{} is named for two outputs", path));
+    taken.push_back(place(path));
+  }
+}
+
+// What could not be written while the rest was.
+class Outputs::Failures {
+ public:
+  template <class Writing>
+  void attempt(const Writing& writing) {
+    try {
+      writing();
+    } catch (const FileError& error) {
+      text_ += fmt::format("{}{}", text_.empty() ? "" : "\nerror: ", error.what());
+    }
+  }
+  void throw_if_any() const {
+    if (!text_.empty()) throw FileError(text_);
+  }
+
+ private:
+  std::string text_;
+};
+
 Outputs::Outputs(OutputOptions options) : options_(std::move(options)) {
   if (needs_image_module()) check_image_module();
   for (const std::string& path : options_.files) check_writable(path);
@@ -63,14 +102,17 @@ void Outputs::write(const Film& film, const FilmInfo& info, const AdaptiveState&
   const Image denoised = denoise ? denoise::denoised(film) : Image{};
   Metadata metadata = info.metadata;
   if (denoise) metadata.emplace_back("meristem:denoised", "display images and the part \"denoised\" of EXR files");
+  Failures failures;
   for (const std::string& path : options_.files)
-    if (is_film_file(path)) write_film_file(path, film, info, adaptive);
-  write_display_images(film, denoised, metadata);
-  write_exr_files(film, info, denoised, metadata);
+    if (is_film_file(path)) failures.attempt([&] { write_film_file(path, film, info, adaptive); });
+  write_display_images(film, denoised, metadata, failures);
+  write_exr_files(film, info, denoised, metadata, failures);
+  failures.throw_if_any();
 }
 
 // `denoised` may be empty.
-void Outputs::write_display_images(const Film& film, const Image& denoised, const Metadata& metadata) const {
+void Outputs::write_display_images(const Film& film, const Image& denoised, const Metadata& metadata,
+                                   Failures& failures) const {
   const WriteOptions how{.bits = options_.bits,
                          .dither = transform_ && !transform_->is_data(),
                          .x0 = film.window().x0,
@@ -82,12 +124,12 @@ void Outputs::write_display_images(const Film& film, const Image& denoised, cons
       shown = denoised.pixels.empty() ? film.develop() : denoised;
       transform_->apply(shown.pixels.data(), shown.width, shown.height, shown.channels);
     }
-    write_image(path, shown, metadata, how);
+    failures.attempt([&] { write_image(path, shown, metadata, how); });
   }
 }
 
-void Outputs::write_exr_files(const Film& film, const FilmInfo& info, const Image& denoised,
-                              const Metadata& metadata) const {
+void Outputs::write_exr_files(const Film& film, const FilmInfo& info, const Image& denoised, const Metadata& metadata,
+                              Failures& failures) const {
   const PixelWindow& window = film.window();
   const ExrFrame frame{window.x0, window.y0, info.frame_width, info.frame_height};
   std::vector<ExrPart> parts;
@@ -97,7 +139,7 @@ void Outputs::write_exr_files(const Film& film, const FilmInfo& info, const Imag
       parts = film_parts(film, info.names, options_.half);
       if (!denoised.pixels.empty()) parts.insert(parts.begin() + 1, denoised_part(denoised, options_.half));
     }
-    report_clamped(path, write_exr_parts(path, parts, frame, metadata));
+    failures.attempt([&] { report_clamped(path, write_exr_parts(path, parts, frame, metadata)); });
   }
 }
 

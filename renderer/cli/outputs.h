@@ -26,6 +26,11 @@ bool is_film_file(const std::string& path);
 // Throws FileError if the extension is none that can be written.
 void check_extension(const std::string& path);
 
+// The files that a command is going to write. Throws UsageError if two of them are one, or one is what the command
+// reads
+// (`input`; none if it is empty or "-"). Empty names are none.
+void check_targets(const std::string& input, const std::vector<std::string>& targets);
+
 class Outputs {
  public:
   // Throws the FileError or ColorError that writing would meet as far as that is known beforehand.
@@ -34,12 +39,16 @@ class Outputs {
   const std::vector<std::string>& files() const { return options_.files; }
   // Whether writing them takes the module of renderer/image.
   bool needs_image_module() const;
-  // Writes every file, whole; says on standard error if values had to be clamped. Throws FileError.
+  // Writes every file, whole; says on standard error if values had to be clamped. Throws FileError, of all that could
+  // not be written, when the others are.
   void write(const Film& film, const FilmInfo& info, const AdaptiveState& adaptive) const;
 
  private:
-  void write_display_images(const Film& film, const Image& denoised, const Metadata& metadata) const;
-  void write_exr_files(const Film& film, const FilmInfo& info, const Image& denoised, const Metadata& metadata) const;
+  class Failures;
+  void write_display_images(const Film& film, const Image& denoised, const Metadata& metadata,
+                            Failures& failures) const;
+  void write_exr_files(const Film& film, const FilmInfo& info, const Image& denoised, const Metadata& metadata,
+                       Failures& failures) const;
 
   OutputOptions options_;
   std::optional<DisplayTransform> transform_;  // if some file is a display image

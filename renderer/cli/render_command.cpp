@@ -84,6 +84,9 @@ class ImageRender {
         outputs_(std::move(outputs)),
         threads_(options.load.threads > 0 ? options.load.threads : default_thread_count()),
         limit_(threads_) {
+    std::vector<std::string> targets = outputs_.files();
+    targets.insert(targets.end(), {options.statistics, options.trace});
+    check_targets(options.scene, targets);
     check_writable(film_path_);
     if (!options.statistics.empty()) check_writable(options.statistics);
     if (!options.trace.empty()) check_writable(options.trace);
@@ -169,6 +172,11 @@ class ImageRender {
     if (file.info.ranges.size() != 1 || file.info.ranges[0].first != first_sample())
       throw UsageError(
           fmt::format("cannot resume from {}: it does not begin at sample {}", film_path_, first_sample()));
+    if (const std::uint32_t taken = file.info.ranges[0].last - first_sample();
+        taken > std::uint32_t(settings().samples))
+      throw UsageError(
+          fmt::format("cannot resume from {}: pixels have up to {} samples already, more than the {} wanted",
+                      film_path_, taken, settings().samples));
     history_ = std::move(file.info.history);
     samples_before_ = file.film.total_samples();
     session_->resume(std::move(file.film), std::move(file.adaptive));
@@ -255,7 +263,12 @@ class ImageRender {
     ExpansionStatistics expansion = loaded_.scene->intersector->statistics();
     loaded_.scene->intersector.reset();  // images are made in the memory that geometry took
     RenderStatistics s = statistics(result, std::move(expansion));
-    write_everything(s, end_name(result.end), result.end != RenderEnd::Complete);
+    try {
+      write_everything(s, end_name(result.end), result.end != RenderEnd::Complete);
+    } catch (const FileError&) {
+      if (result.end == RenderEnd::Complete && !film_is_output()) keep_film(s);
+      throw;
+    }
     if (result.end == RenderEnd::Complete) remove_film();
     s.wall_s = process_age_s();
     s.peak_rss_bytes = peak_resident_bytes();
@@ -274,6 +287,16 @@ class ImageRender {
     if (!profile) return {};
     const double start_s = process_age_s() - profile->duration_s;
     return Recording{std::move(*profile), start_s, memory_};
+  }
+
+  // So that what was rendered is not lost with an image that could not be written.
+  void keep_film(const RenderStatistics& s) {
+    try {
+      write_film_file(film_path_, session_->film(), info(s, end_name(RenderEnd::Complete)), session_->adaptive());
+      print_error(
+          fmt::format("all samples are kept: the same command with --resume writes the images from {}", film_path_));
+    } catch (const FileError&) {  // there is no place for it either
+    }
   }
 
   // The film file has served, unless it was asked for.
@@ -331,6 +354,7 @@ int render_frames(const RenderOptions& options, const SceneLoader& load) {
     one.outputs = outputs_of(options);
     for (std::string& path : one.outputs.files) path = numbered(path, frame);
     if (!options.statistics.empty()) one.statistics = numbered(options.statistics, frame);
+    if (!options.trace.empty()) one.trace = numbered(options.trace, frame);
     const bool there = std::ranges::all_of(one.outputs.files, [](const std::string& p) { return fs::exists(p); });
     if (options.resume && there && !fs::exists(film_path(one.outputs.files))) {
       if (!options.quiet) print_error(fmt::format("frame {} is there", frame));

@@ -99,6 +99,8 @@ def check_refusals(program):
     assert "more.jsonc has changed" in error, error
     (program.folder / "more.jsonc").write_text('{ "materials": { "chalk": {} } }')
     program.run(*base, "--samples", 8, "--threads", 1, "--budget", "1M", "--expand", "eager")  # none of these matters
+    _, error = program.run(*base, "--samples", 4, code=2)  # the image would have more, and the film would go
+    assert "up to 8 samples already, more than the 4 wanted" in error and "e.film" in program.files(), error
     bytes_ = bytearray((program.folder / "e.film").read_bytes())
     bytes_[len(bytes_) // 2] ^= 1
     (program.folder / "e.film").write_bytes(bytes_)
@@ -136,6 +138,8 @@ def check_frames(program):
     assert [f for f in program.files() if f.startswith("turn")] == expected, program.files()
     contents = {pixel_digests(program.folder, f"turn.000{n}.exr")[0] for n in (3, 5, 7)}
     assert len(contents) == 3, "the frames are alike"
+    program.run("render", "ball.jsonc", "--frames", "1-2", "-o", "u.png", "--samples", "1", "-q", "--trace", "t.json")
+    assert {"t.0001.json", "t.0002.json"} <= set(program.files()), program.files()
     (program.folder / "turn.05.png").unlink()
     before = (program.folder / "turn.0003.exr").stat().st_mtime_ns
     _, error = program.run(*options, "--set=/camera/from==[5*sin(frame/4), 1, 5]", "--resume")

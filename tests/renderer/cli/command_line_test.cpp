@@ -239,6 +239,50 @@ TEST_F(CommandLineTest, FileErrorsEndAsFourBeforeAnythingIsRendered) {
   EXPECT_EQ(loaded_path_, "");
 }
 
+TEST_F(CommandLineTest, WhatACommandReadsIsNotWrittenOver) {
+  const std::string scene = "{ \"camera\": {} }";
+  write_file(folder_ / "a.jsonc", scene);
+  std::filesystem::create_symlink("a.jsonc", folder_ / "link.jsonc");
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"render", "a.jsonc", "--stats", "a.jsonc"},
+                                                    {"render", "a.jsonc", "--trace", "./a.jsonc"},
+                                                    {"render", "a.jsonc", "--stats", "link.jsonc"},
+                                                    {"profile", "a.jsonc", "-o", "a.jsonc"},
+                                                    {"compare", "a.jsonc", "-o", "a.jsonc"}}) {
+    EXPECT_EQ(run(arguments), 2) << testing::PrintToString(arguments);
+    EXPECT_NE(error_.find("it is what the command reads"), std::string::npos) << error_;
+  }
+  EXPECT_EQ(run({"render", "a.jsonc", "-o", "b.png", "--stats", "b.png"}), 2);
+  EXPECT_NE(error_.find("b.png is named for two outputs"), std::string::npos) << error_;
+  EXPECT_EQ(run({"render", "a.jsonc", "-o", "b.png", "-o", "./b.png"}), 2);
+  write_file(folder_ / "a.glb", "not read at all");
+  EXPECT_EQ(run({"convert", "a.glb", "-o", "a.glb"}), 2);
+  EXPECT_EQ(read_text(folder_ / "a.jsonc"), scene);
+  EXPECT_EQ(read_text(folder_ / "a.glb"), "not read at all");
+}
+
+TEST_F(CommandLineTest, OneFileThatCannotBeWrittenDoesNotCostTheOthers) {
+  light_ = [&](const Ray&, Sampler&, RayCounts&) {  // the folder goes away while rays are traced
+    std::filesystem::remove(folder_ / "gone");
+    return Spectrum(0.5f);
+  };
+  std::filesystem::create_directory(folder_ / "gone");
+  EXPECT_EQ(
+      run({"render", "a.jsonc", "-o", "a.exr", "-o", "gone/b.exr", "-o", "c.exr", "-o", "gone/d.png", "-o", "e.png"}),
+      4);
+  for (const char* name : {"gone/b.exr", "gone/d.png"}) EXPECT_NE(error_.find(name), std::string::npos) << error_;
+  for (const char* name : {"a.exr", "c.exr", "e.png"}) EXPECT_TRUE(std::filesystem::exists(folder_ / name)) << name;
+  EXPECT_NE(error_.find("--resume writes the images from a.film"), std::string::npos) << error_;
+  EXPECT_EQ(run({"render", "a.jsonc", "-o", "a.exr", "-o", "e.png", "--resume"}), 0) << error_;
+  EXPECT_NE(error_.find("going on from a.film"), std::string::npos) << error_;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.film"));
+}
+
+TEST_F(CommandLineTest, TheCommandLineIsKeptAsItIsTyped) {
+  ASSERT_EQ(run({"render", "a.jsonc", "--set", "/a=it's [1, 2]", "--stats", "s.json", "-q"}), 0) << error_;
+  EXPECT_EQ(statistics().find("command")->text,
+            R"(meristem render a.jsonc --set '/a=it'\''s [1, 2]' --stats s.json -q)");
+}
+
 TEST_F(CommandLineTest, AFullDiskEndsAsFourAndTheOldFilesStay) {
   ASSERT_EQ(run({"render", "a.jsonc", "--stats", "s.json"}), 0);
   const std::string exr = read_text(folder_ / "a.exr"), png = read_text(folder_ / "a.png"),
