@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <new>
 #include <sstream>
 #include <stdexcept>
 
@@ -80,6 +81,8 @@ auto with_plain_errors(const Function& f) {
     const std::string text = error.what();
     const std::size_t colon = text.find(": ");
     throw std::runtime_error(shortened(colon == text.npos ? text : text.substr(colon + 2)));
+  } catch (const std::bad_alloc&) {
+    throw std::runtime_error("it asks for more memory than there is; the file seems to be damaged");
   }
 }
 
