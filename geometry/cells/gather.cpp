@@ -61,10 +61,10 @@ class VertexWalk {
   const VertexFaces& faces_around_;
 };
 
-// A union of small sets of faces: groups that must stand in one cell.
+// A union of small sets of faces: groups that should stand in one cell, none of more than `most` faces.
 class Groups {
  public:
-  explicit Groups(std::uint32_t count) : parent_(count) {
+  Groups(std::uint32_t count, std::uint32_t most) : parent_(count), size_(count, 1), most_(most) {
     for (std::uint32_t i = 0; i < count; ++i) parent_[i] = i;
   }
   std::uint32_t find(std::uint32_t i) {
@@ -74,11 +74,14 @@ class Groups {
   void join(std::uint32_t a, std::uint32_t b) {
     a = find(a);
     b = find(b);
+    if (a == b || size_[a] + size_[b] > most_) return;
     parent_[std::max(a, b)] = std::min(a, b);
+    size_[std::min(a, b)] += size_[std::max(a, b)];
   }
 
  private:
-  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint32_t> parent_, size_;  // the size of a set stands at the face that names it
+  const std::uint32_t most_;
 };
 
 // Faces in blocks: by cubes of so many edges of the first face, which on an even ground hold the same square of faces
@@ -156,10 +159,11 @@ class ChildMaker {
   }
 
   // For owned faces that still grow or touch one that does: the name of their group. Buds that share a neighbour share
-  // a group.
+  // a group, unless it becomes too large: where they stand in a lattice, all of a mesh would be one group, and a cell
+  // that is too large to go on as a whole would have itself as its only child, without end.
   std::vector<std::uint32_t> find_bud_neighbors() const {
     std::vector<std::uint32_t> group(mesh_.face_count(), none);
-    Groups groups(mesh_.face_count());
+    Groups groups(mesh_.face_count(), model_.settings().inner_faces);
     for (std::uint32_t bud = 0; bud < mesh_.face_count(); ++bud) {
       if (!is_bud(bud) || is_alone(bud)) continue;
       group[bud] = bud;
@@ -224,15 +228,18 @@ class ChildMaker {
     std::vector<Key> keys;
     Outlook joined;
     double area = 0;
+    std::size_t faces = 0;  // that are joined
     for (std::size_t child = 0; child < outlooks.size(); ++child) {
       Outlook next = outlooks[child];
-      // Faces of which nothing remains are no reason to take in any number of them: a child must be less than its
-      // parent
-      next.faces = std::max(next.faces, double(inner_.faces_of_child(child).size()));
+      // Faces of which nothing remains are no reason to take in any number of them, nor those of which less comes than
+      // was expected: a child must be less than its parent, or small enough to go on as a whole
+      const std::size_t more = inner_.faces_of_child(child).size();
+      next.faces = std::max(next.faces, double(more));
       Bounds3d both = joined.bounds;
       both.extend(next.bounds);
       const double next_area = next.bounds.surface_area();
       const bool joins = !starts.empty() && joined.faces + next.faces <= model_.settings().leaf_faces &&
+                         faces + more <= model_.settings().inner_faces &&
                          both.surface_area() <= worth_joining * (area + next_area);
       if (!joins) {
         if (!starts.empty()) inner_.child_bounds.push_back(round_outwards(joined.bounds));
@@ -240,9 +247,11 @@ class ChildMaker {
         keys.push_back(inner_.child_keys[child]);
         joined = {};
         area = 0;
+        faces = 0;
         both = next.bounds;
       }
       joined = {both, joined.faces + next.faces};
+      faces += more;
       area += next_area;
     }
     inner_.child_bounds.push_back(round_outwards(joined.bounds));

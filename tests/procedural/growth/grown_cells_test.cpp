@@ -5,6 +5,7 @@
 #include "tests/support/point_footprint.h"
 #include "tests/support/shown_corners.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -88,15 +89,18 @@ struct Cells {
 };
 
 constexpr CellSettings small_cells{64, 128}, large_cells{256, 256};
+// Of these a mesh on which anything grows may be too large to go on as a whole, and have too little to come for
+// children.
+constexpr CellSettings tiny_cells{32, 64}, large_leaves{2048, 512};
 
 TEST(GrownCells, LieInTightBoxesAndFitTogether) {
   const PointFootprint near({0.3, 0.5, 0}, 0.005), far({3, 0.5, 0}, 0.003);
-  for (const CellSettings& settings : {small_cells, large_cells}) {
+  for (const CellSettings& settings : {small_cells, large_cells, tiny_cells, large_leaves}) {
     const auto model = shrub(settings);
     for (const Footprint* footprint : {static_cast<const Footprint*>(nullptr), static_cast<const Footprint*>(&near),
                                        static_cast<const Footprint*>(&far)}) {
       const Cells cells(*model, footprint);
-      EXPECT_GT(cells.leaves, 10);
+      EXPECT_GT(cells.leaves, settings.leaf_faces > 256 ? 1 : 10);
       EXPECT_EQ(cells.outside, 0);
       EXPECT_TRUE(cells.is_closed());
       EXPECT_LT(cells.box_area, 8 * cells.real_area) << settings.leaf_faces;
@@ -111,10 +115,11 @@ TEST(GrownCells, ShowTheSameTrianglesHoweverTheyAreCut) {
   for (const Footprint* footprint : std::initializer_list<const Footprint*>{nullptr, &near, &far, &fading, &huge}) {
     const auto whole = shown_corners(*shrub({1u << 20, 1u << 20}), footprint);
     EXPECT_GT(whole.size(), 300u);
-    for (const CellSettings& settings : {small_cells, large_cells, CellSettings{1024, 4096}}) {
+    for (const CellSettings& settings :
+         {small_cells, large_cells, tiny_cells, large_leaves, CellSettings{1024, 4096}}) {
       int leaves = 0;
       const auto cut = shown_corners(*shrub(settings), footprint, &leaves);
-      EXPECT_GT(leaves, settings.leaf_faces == 64 && footprint != &huge ? 10 : 0);
+      EXPECT_GT(leaves, settings.leaf_faces <= 64 && footprint != &huge ? 10 : 0);
       EXPECT_EQ(cut.size(), whole.size());
       EXPECT_TRUE(cut == whole) << "leaves of " << settings.leaf_faces;
     }
@@ -136,6 +141,54 @@ TEST(GrownCells, LieInTheirBoxesAndFitTogetherWhereTheyThin) {
     }
 }
 
+std::vector<Point> points_of(const Cells& cells) {
+  std::vector<Point> points;
+  for (const auto& [edge, balance] : cells.balance) points.insert(points.end(), {edge.first, edge.second});
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+// A level grid, every other face of every other row of which has a bud; each face of the rest touches one.
+std::shared_ptr<const Model> lattice_of_buds(const CellSettings& settings) {
+  constexpr int side = 24;
+  std::string vertices, polygons, names;
+  for (int j = 0; j <= side; ++j)
+    for (int i = 0; i <= side; ++i) vertices += fmt::format("[{}, 0, {}],", i, -j);
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i) {
+      const int a = j * (side + 1) + i;
+      polygons += fmt::format("[{}, {}, {}, {}],", a, a + 1, a + side + 2, a + side + 1);
+      names += i % 2 == 0 && j % 2 == 0 ? R"("bud",)" : R"("plain",)";
+    }
+  Derivation d(fmt::format(R"({{"type": "mesh", "vertices": [{}], "polygons": [{}], "names": [{}],
+                               "symbols": {{"bud": "bud"}}}})",
+                           vertices, polygons, names),
+               {R"({"grow": 1, "rules": {"bud": {"template": "spike", "length": 1}}})"});
+  EXPECT_TRUE(d.messages().empty());
+  std::vector<std::unique_ptr<Step>> steps;
+  for (auto& step : d.steps) steps.push_back(std::move(step));
+  for (int level = 1; level <= 2; ++level) {
+    SubdivideStep::Settings s;
+    s.level = level;
+    s.step_key = hash_keys(3, Key(level));
+    steps.push_back(std::make_unique<SubdivideStep>(s));
+  }
+  return std::make_shared<const Model>("lattice", d.base, std::move(steps), settings);
+}
+
+// All buds share neighbours with others, and are too many for a cell.
+TEST(GrownCells, BudsThatHangTogetherAreCutWhereTheyAreTooMany) {
+  const Cells whole(*lattice_of_buds({1u << 20, 1u << 20}), nullptr);
+  EXPECT_EQ(whole.leaves, 1);
+  for (const CellSettings& settings : {CellSettings{16, 64}, tiny_cells, small_cells, CellSettings{64, 1}}) {
+    const Cells cells(*lattice_of_buds(settings), nullptr);
+    EXPECT_GT(cells.leaves, 10);
+    EXPECT_EQ(cells.outside, 0);
+    EXPECT_EQ(points_of(cells), points_of(whole));
+  }
+}
+
 // A floor of tiles some of which are missing; each that stands is as high as it has others beside it, and so on twice.
 std::shared_ptr<const Model> sociable_tiles(const CellSettings& settings, const std::string& thinning = "{}") {
   Derivation d(R"json({"type": "plane", "width": 4, "depth": 4, "columns": 6, "rows": 6, "face": "site"})json",
@@ -155,14 +208,6 @@ std::shared_ptr<const Model> sociable_tiles(const CellSettings& settings, const 
     steps.push_back(std::make_unique<SubdivideStep>(s));
   }
   return std::make_shared<const Model>("tiles", d.base, std::move(steps), settings);
-}
-
-std::vector<Point> points_of(const Cells& cells) {
-  std::vector<Point> points;
-  for (const auto& [edge, balance] : cells.balance) points.insert(points.end(), {edge.first, edge.second});
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  return points;
 }
 
 TEST(GrownCells, CountNeighborsAlikeHoweverTheyAreCut) {
