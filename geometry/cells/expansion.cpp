@@ -194,7 +194,7 @@ std::vector<std::uint32_t> all_faces(const Mesh& mesh) {
 Bounds3f model_bounds(const Model& model) {
   const Mesh& mesh = model.base().mesh;
   Extent e = region_extent(model, mesh, Adjacency(mesh), all_faces(mesh), 0);
-  e.may_thin = true;
+  e.footprint = INFINITY;
   return round_outwards(final_bounds(model, e, 0));
 }
 

@@ -18,6 +18,8 @@ struct SymbolRange {
   // The largest distance of a corner of such a face from its centroid, but for its enlargement.
   float radius = 0;
   Interval enlargement{1, 1};  // of the faces (thinning.h)
+  // What grows on faces that are enlarged reaches no further than so, however much they are.
+  double enlarged_reach = 0;
 };
 
 // Bounds on |longest edge after| / |longest edge before| of one smoothing: of quads around vertices of valence 4
@@ -41,7 +43,9 @@ struct Extent {
   double ripple = 0;       // the longest edge of the displacement as a surface of its own
   double last_offset = 0;  // the longest displacement of the last step
   Interval u, v;
-  bool may_thin = false;             // whether symbols that thin may do so: not where everything is wanted in full
+  // The largest size of a wanted face anywhere in the region, which says how large what thins may become; 0: everything
+  // is wanted in full, so that nothing does.
+  double footprint = 0;
   std::vector<SymbolRange> symbols;  // those with a production in a later step
 
   // After a step that may have made vertices and faces of any shape: nothing is known of directions and valences.

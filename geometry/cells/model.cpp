@@ -36,7 +36,7 @@ Model::Model(std::string name, Mesh base, std::vector<std::unique_ptr<Step>> ste
   std::iota(faces.begin(), faces.end(), 0u);
   base_extent_ = region_extent(*this, base, Adjacency(base), faces, 0);
   Extent seen_anyhow = base_extent_;
-  seen_anyhow.may_thin = true;
+  seen_anyhow.footprint = INFINITY;
   const Bounds3d bounds = final_bounds(*this, seen_anyhow, 0);
   const double reach = std::max(max_component(abs(bounds.lower)), max_component(abs(bounds.upper)));
   if (bounds.empty() || !std::isfinite(reach))
@@ -76,6 +76,11 @@ double Model::remaining_offset(int level, double scale) const {
 
 bool Model::drops_faces_later(int level) const {
   while (level < levels() && !step(level).drops_faces()) ++level;
+  return level < levels();
+}
+
+bool Model::enlarges_later(int level) const {
+  while (level < levels() && !step(level).enlarges()) ++level;
   return level < levels();
 }
 

@@ -57,6 +57,8 @@ class Model {
   double remaining_offset(int level, double scale) const;
   // Whether faces may be dropped at `level` or later.
   bool drops_faces_later(int level) const;
+  // Whether anything that grows at `level` or later may be enlarged where it thins.
+  bool enlarges_later(int level) const;
   // Whether exactly two refinements lie between `level` and the last step before it that does not refine.
   bool is_two_refinements_in(int level) const;
   // What is shown of a mesh before step `level` on which nothing grows any more: the limit surface, if nothing but

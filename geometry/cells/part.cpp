@@ -2,6 +2,8 @@
 
 #include "geometry/cells/expansion.h"
 
+#include <algorithm>
+
 namespace meristem {
 
 namespace {
@@ -10,6 +12,25 @@ Bounds3f group_bounds(const std::vector<Placement>& members) {
   Bounds3f bounds;
   for (const Placement& m : members) bounds.extend(bounds_in_parent(m, bounds_of_moments(*m.part, m.moments.get())));
   return bounds;
+}
+
+// What of its bounds are, if nothing is enlarged.
+Bounds3f group_in_full(const std::vector<Placement>& members) {
+  Bounds3f bounds;
+  for (const Placement& m : members)
+    bounds.extend(
+        bounds_in_parent(m, m.part->enlarges ? m.part->typical : bounds_of_moments(*m.part, m.moments.get())));
+  return bounds;
+}
+
+// More of them would be asked too often.
+constexpr std::size_t most_enlarged_members = 64;
+
+bool group_enlarges(const std::vector<Placement>& members) {
+  const auto derives = [](const Placement& m) { return m.part->derives || m.moments; };
+  const auto enlarges = [](const Placement& m) { return m.part->enlarges; };
+  return members.size() <= most_enlarged_members && std::ranges::none_of(members, derives) &&
+         std::ranges::any_of(members, enlarges);
 }
 
 }  // namespace
@@ -37,14 +58,20 @@ Part::Part(std::shared_ptr<const Model> shown)
       bounds(model_bounds(*model)),
       derives(model->levels() > 0 && model->step(0).grows(model->base().mesh.origins[0].symbol) &&
               model->step(0).derive(model->base(), 0, 1)),
-      typical(derives ? model_bounds(*model, nullptr, 0, model->levels()) : bounds) {}
+      enlarges(!derives && model->enlarges_later(0)),
+      typical(derives || enlarges ? model_bounds(*model, nullptr, 0, model->levels()) : bounds) {}
 
 Part::Part(std::shared_ptr<const Model> ground, std::shared_ptr<const Placer> on_it)
     : model(std::move(ground)),
       placer(std::move(on_it)),
       bounds(bounds_with_reach(model_bounds(*model), placer->reach())),
-      typical(bounds) {}
+      enlarges(placer->enlarges()),
+      typical(enlarges ? bounds_with_reach(model_bounds(*model), placer->typical_reach()) : bounds) {}
 
-Part::Part(std::vector<Placement> group) : members(std::move(group)), bounds(group_bounds(members)), typical(bounds) {}
+Part::Part(std::vector<Placement> group)
+    : members(std::move(group)),
+      bounds(group_bounds(members)),
+      enlarges(group_enlarges(members)),
+      typical(enlarges ? group_in_full(members) : bounds) {}
 
 }  // namespace meristem

@@ -72,11 +72,14 @@ class Placer {
   virtual std::unique_ptr<const Furnishing> furnish(const CellMesh& ground, Key individual) const = 0;
   // Whether nothing stands on ground that lies in this box, whatever its shape.
   virtual bool leaves_bare(const Bounds3f& ground) const = 0;
-  // Of whatever is placed,
+  // Of whatever is placed, and for decisions that need not be exact,
   virtual Bounds3f reach() const = 0;
+  virtual Bounds3f typical_reach() const { return reach(); }
   // and closer, of what is placed on ground in that box where it is seen with that footprint (null: in full).
   virtual std::shared_ptr<const PlacedReach> reach_on(const Bounds3f& ground, const Footprint* footprint,
                                                       Key individual) const = 0;
+  // As Part::enlarges: then reach_on() holds for all footprints up to a constant one.
+  virtual bool enlarges() const { return false; }
 };
 
 // Bounds of what is placed on a ground with those bounds.
@@ -93,7 +96,10 @@ struct Part {
   const std::vector<Placement> members;        // of a group
   const Bounds3f bounds;                       // conservative, in the part's frame, of everything that comes of it
   const bool derives = false;  // whether an individual's own bounds are closer than these: model_bounds() knows them
-  const Bounds3f typical;      // of one individual, for decisions that need not be exact
+  // Whether it derives nothing, and is larger where it thins than in full, as `typical` holds it;
+  // bounds_of_individual() knows how much by the footprint.
+  const bool enlarges = false;
+  const Bounds3f typical;  // of one individual, for decisions that need not be exact
 };
 
 }  // namespace meristem

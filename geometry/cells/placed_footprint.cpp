@@ -53,6 +53,31 @@ std::shared_ptr<const Footprint> footprint_of(const Exact& exact, const Placemen
   return std::make_shared<ConstantFootprint>(size_of_step(footprint_step(least)), exact.fades());
 }
 
+// Of a part that enlarges() as it is seen.
+Bounds3f enlarged_bounds(const Part& part, const Footprint* footprint, Key individual) {
+  if (part.model && !part.placer) return model_bounds(*part.model, footprint, individual, 0);
+  if (part.placer) {
+    const Bounds3f ground = model_bounds(*part.model);
+    return bounds_with_reach(ground, part.placer->reach_on(ground, footprint, individual)->all);
+  }
+  Bounds3f bounds;
+  const std::shared_ptr<const Footprint> around(std::shared_ptr<const Footprint>(), footprint);
+  for (const Placement& m : part.members) {
+    const auto seen_as = placed_footprint(around, m);
+    const Bounds3f box =
+        bounds_of_individual(*m.part, seen_as.get(), placed_individual(individual, m), m.part->typical);
+    bounds.extend(bounds_in_parent(m, box));
+  }
+  return bounds;
+}
+
+// A box that reaches as much further as one box does than another.
+Bounds3f reaching_further(const Bounds3f& box, const Bounds3f& from, const Bounds3f& to) {
+  const Vec3d lower = min(Vec3d(to.lower) - Vec3d(from.lower), Vec3d{});
+  const Vec3d upper = max(Vec3d(to.upper) - Vec3d(from.upper), Vec3d{});
+  return round_outwards(Bounds3d{Vec3d(box.lower) + lower, Vec3d(box.upper) + upper});
+}
+
 }  // namespace
 
 const Bounds3f& placed_bounds(const Placement& p) { return p.known_bounds.empty() ? p.part->typical : p.known_bounds; }
@@ -66,7 +91,9 @@ bool is_about_constant(const Footprint::Range& range) { return range.most <= mos
 // The twigs of a tree are many and reach little beyond its branches.
 Bounds3f bounds_of_individual(const Part& part, const Footprint* footprint, Key individual, const Bounds3f& otherwise) {
   constexpr int derived_levels = 2;
-  return part.derives ? model_bounds(*part.model, footprint, individual, derived_levels) : otherwise;
+  if (part.derives) return model_bounds(*part.model, footprint, individual, derived_levels);
+  if (!part.enlarges || !footprint) return otherwise;
+  return reaching_further(otherwise, part.typical, enlarged_bounds(part, footprint, individual));
 }
 
 std::shared_ptr<const Footprint> placed_footprint(const std::shared_ptr<const Footprint>& parent,

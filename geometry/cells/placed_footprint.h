@@ -40,7 +40,8 @@ struct SharedPlacement {
 };
 std::optional<SharedPlacement> shared_placement(const Placement& placement, const Footprint::Range& parent);
 
-// Of an individual of a part in its own frame, before it is expanded; `otherwise` where nothing closer can be had.
+// Of an individual of a part in its own frame, before it is expanded; `otherwise`, of it in full, where nothing closer
+// can be had, and further by what is enlarged with that footprint where things thin.
 // Most of what is placed is never met: so not from all that grows on it.
 Bounds3f bounds_of_individual(const Part& part, const Footprint* footprint, Key individual, const Bounds3f& otherwise);
 

@@ -1,6 +1,7 @@
 #include "geometry/cells/region_extent.h"
 
 #include "geometry/cells/fading.h"
+#include "geometry/cells/footprint.h"
 #include "geometry/mesh/contraction.h"
 
 #include <algorithm>
@@ -157,10 +158,11 @@ class ExtentBuilder {
     auto range = std::find_if(extent_.symbols.begin(), extent_.symbols.end(),
                               [&](const SymbolRange& s) { return s.symbol == origin.symbol; });
     const bool is_new = range == extent_.symbols.end();
-    if (is_new) range = extent_.symbols.insert(range, SymbolRange{origin.symbol, {}, 0, {enlargement, enlargement}});
+    if (is_new) range = extent_.symbols.insert(range, SymbolRange{origin.symbol, {}, 0, {enlargement, enlargement}, 0});
     range->radius = std::max(range->radius, std::nextafterf(float(radius), INFINITY));
     range->enlargement = {std::min(range->enlargement.lower, enlargement),
                           std::max(range->enlargement.upper, enlargement)};
+    if (enlargement > 1) range->enlarged_reach = INFINITY;
     for (std::size_t i = 0; i < range->parameters.size(); ++i) {
       Interval& p = range->parameters[i];
       const float x = origin.parameters[i];
@@ -204,15 +206,26 @@ Bounds3d frozen_bounds(const Model& model, const Mesh& mesh, std::span<const std
   return bounds.empty() ? bounds : bounds.inflated(Vec3d(model.quantum().step()));
 }
 
+// What thins is enlarged by the footprint where it stands; where that may be, the first bounds tell, and the second
+// ones tell closer.
+Bounds3d seen_bounds(const Model& model, Extent e, int level, const Footprint* footprint) {
+  constexpr int times = 2;
+  e.footprint = footprint ? INFINITY : 0;
+  Bounds3d bounds = final_bounds(model, e, level);
+  for (int i = 0; i < times && footprint && model.enlarges_later(level); ++i) {
+    e.footprint = footprint->range(bounds).most;
+    bounds = final_bounds(model, e, level);
+  }
+  return bounds;
+}
+
 }  // namespace
 
 Bounds3d region_bounds(const Model& model, const CellMesh& cell, const Adjacency& adjacency,
                        std::span<const std::uint32_t> faces, int level, int derived_levels) {
   const Mesh& mesh = cell.mesh;
   const auto bounds_of = [&](std::span<const std::uint32_t> part) {
-    Extent e = region_extent(model, mesh, adjacency, part, level);
-    e.may_thin = cell.footprint != nullptr;
-    return final_bounds(model, e, level);
+    return seen_bounds(model, region_extent(model, mesh, adjacency, part, level), level, cell.footprint);
   };
   std::vector<std::uint32_t> derived, others;
   Bounds3d box;

@@ -85,6 +85,8 @@ class Step {
     (void)symbol;
     return 0;
   }
+  // Whether there is any such symbol.
+  virtual bool enlarges() const { return false; }
   // About how many final faces come of one with that origin where faces are wanted `footprint` large, if each that can
   // be refined further becomes `refined`.
   virtual double thinned_faces(const FaceOrigin& origin, double footprint, double refined) const {

@@ -40,6 +40,7 @@ void merge(const SymbolRange& range, std::vector<SymbolRange>& list) {
       known.parameters[i] = hull(known.parameters[i], range.parameters[i]);
     known.radius = std::max(known.radius, range.radius);
     known.enlargement = hull(known.enlargement, range.enlargement);
+    known.enlarged_reach = std::max(known.enlarged_reach, range.enlarged_reach);
     return;
   }
   list.push_back(range);
@@ -349,19 +350,29 @@ Extent GrowStep::bound(const Extent& e) const {
 void GrowStep::add_growth(const Production& p, const SymbolRange& parent, const Extent& before,
                           std::span<const IntervalValue> values, Extent& after) const {
   const std::vector<Bounds3d> template_values = p.template_bounds(values);
-  const bool may_thin = before.may_thin && thinning(parent.symbol) > 0;
+  const bool may_thin = before.footprint > 0 && thinning(parent.symbol) > 0;
+  // What is enlarged as it thins is, with all that grows on it, no larger than so.
+  const double wanted = may_thin ? thinning(parent.symbol) * before.footprint : 0;
   const Interval enlargement =
       may_thin ? Interval{float(smallest_enlargement), float(largest_enlargement)} : parent.enlargement;
-  const double largest = double(enlargement.upper), radius = double(parent.radius * parent.enlargement.upper);
+  const double largest = double(enlargement.upper);
   const Reach reach = p.part().shape->bound({parent.radius, before.u, before.v, template_values});
   // Each coordinate is rounded by up to half a step, and computed with a relative error far below 1e-12 of the region's
   // size
+  // On faces that were enlarged before
+  const auto as_large = [&](double length, double most) {
+    return std::min(length * double(parent.enlargement.upper), std::max(length, most));
+  };
+  const double radius = as_large(double(parent.radius), 2 * parent.enlarged_reach);
   // About a middle that may be as far away: (distance of the middle) + enlargement * (twice the distance)
-  const double distance = reach.distance * (may_thin ? double(parent.enlargement.upper) + 2 * largest : largest);
+  const double distance =
+      as_large(reach.distance, parent.enlarged_reach) + (may_thin ? 2 * std::min(largest * reach.distance, wanted) : 0);
   const double size = max_component(max(abs(before.box.lower), abs(before.box.upper))) + distance;
   const double slack = 2 * quantum_.step() + 1e-12 * size;
   after.box.extend(before.box.inflated(Vec3d(distance + slack)));
-  const double edge = std::max(largest * reach.edge, may_thin ? distance + radius : 0);
+  const double enlarged_reach = std::max(parent.enlarged_reach, wanted);
+  const double enlarged_edge = std::min(largest * reach.edge, std::max(reach.edge, 2 * enlarged_reach));
+  const double edge = std::max(enlarged_edge, may_thin ? distance + radius : 0);
   after.edge = std::max(after.edge, edge + 2 * slack);
   after.forget_shape();
   after.u = hull(after.u, with_margin(reach.u));
@@ -374,7 +385,8 @@ void GrowStep::add_growth(const Production& p, const SymbolRange& parent, const 
                                          radius / smallest_enlargement
                                    : 0;
     const double face_radius = std::max(reach.face_radius[name], across) + 2 * slack / double(enlargement.lower);
-    merge({s.symbol(), s.bounds(values), std::nextafterf(float(face_radius), INFINITY), enlargement}, after.symbols);
+    merge({s.symbol(), s.bounds(values), std::nextafterf(float(face_radius), INFINITY), enlargement, enlarged_reach},
+          after.symbols);
   }
 }
 

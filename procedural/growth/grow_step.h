@@ -43,6 +43,7 @@ class GrowStep : public Step {
   Extent bound(const Extent& e) const override;
   bool grows(std::int32_t symbol) const override { return !rules_->of(symbol).empty(); }
   double thinning(std::int32_t symbol) const override { return rules_->thinning(symbol); }
+  bool enlarges() const override { return rules_->has_thinning(); }
   std::string symbol_name(std::int32_t symbol) const override { return symbols_->entry(symbol).name; }
 
   // The grid of new vertices. To be set before the first apply(), by the loader.

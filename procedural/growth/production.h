@@ -11,6 +11,7 @@
 #include "procedural/growth/rule_variables.h"
 #include "procedural/growth/template.h"
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -88,6 +89,10 @@ class GrowthRules {
   // Below how many pixels what grows on faces with the symbol is thinned; 0: it is not.
   double thinning(std::int32_t symbol) const {
     return symbol >= 0 && std::size_t(symbol) < thinning_.size() ? thinning_[std::size_t(symbol)] : 0;
+  }
+
+  bool has_thinning() const {
+    return std::any_of(thinning_.begin(), thinning_.end(), [](double pixels) { return pixels > 0; });
   }
 
   // The productions of a symbol; empty if it has none.

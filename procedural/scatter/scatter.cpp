@@ -109,14 +109,14 @@ void extend_by_vertices(const CellMesh& cell, Bounds3f& bounds) {
 // stays on one of the first levels, whose vertices stand out from the surface they are smoothed to; those of the levels
 // after them may do so a little. How the model is cut into cells has no part in it: footprints are decided by these.
 Bounds3f individual_bounds(const Part& part, Key individual) {
-  if (!part.model || part.placer) return part.bounds;
+  if (!part.model || part.placer) return part.typical;
   const Model& model = *part.model;
   constexpr double few_faces = 4096, most_faces = 1024;
-  if (model.estimated_faces() <= few_faces) return part.bounds;
+  if (model.estimated_faces() <= few_faces) return part.typical;
   CellMesh cell = root_cell(model, nullptr, individual);
   const std::vector<std::uint32_t> whole(cell.owned_faces, 0);
   const auto outlook = look_ahead(model, cell, 0, whole, 1);
-  if (!outlook) return part.bounds;
+  if (!outlook) return part.typical;
   Bounds3f bounds = round_outwards(outlook->front().bounds);
   for (int level = 0; level < model.levels() && cell.owned_faces <= most_faces; ++level) {
     extend_by_vertices(cell, bounds);
@@ -126,7 +126,8 @@ Bounds3f individual_bounds(const Part& part, Key individual) {
   }
   extend_by_vertices(cell, bounds);
   constexpr float margin = 0.05f;
-  return bounds.inflated(Vec3f(margin * bounds.diagonal()));
+  bounds = bounds.inflated(Vec3f(margin * bounds.diagonal()));
+  return {max(bounds.lower, part.typical.lower), min(bounds.upper, part.typical.upper)};
 }
 
 // The variables of all points on ground in a box.
@@ -139,6 +140,14 @@ std::array<IntervalValue, slot_count> points_in(const Bounds3f& box) {
   points[slot_u] = points[slot_v] = IntervalValue::scalar(-inf, inf);
   return points;
 }
+
+// Far from the origin sums with a place are rounded.
+Bounds3f with_margin(const Bounds3f& reach) {
+  constexpr float margin = 1e-3f;
+  return reach.empty() ? reach : reach.inflated(Vec3f(margin * reach.diagonal()));
+}
+
+bool is_bounded_otherwise(const Scatter::Choice& c) { return c.part->derives || c.moments; }
 
 double farthest(double lower, double upper) { return std::max(std::abs(lower), std::abs(upper)); }
 
@@ -181,17 +190,21 @@ Scatter::Scatter(ScatterSettings settings, std::vector<Choice> choices, Key seed
   if (!(largest_scale_ <= most_scale))
     throw std::runtime_error("the scale has no upper bound: wrap it in clamp(..., lo, hi)");
   measure_variants();
+  enlarges_ = std::ranges::none_of(choices_, is_bounded_otherwise) &&
+              std::ranges::any_of(choices_, [](const Choice& c) { return c.part->enlarges; });
   for (const Choice& c : choices_) {
     total_weight_ += c.weight;
     has_moments_ = has_moments_ || c.moments;
     typical_reach_.extend(reach_of(c.part->typical, largest_scale_));
     typical_size_ = std::max(typical_size_, double(max_component(c.part->typical.size())));
-    if (known_bounds_.empty()) reach_.all.extend(reach_of(bounds_of_moments(*c.part, c.moments.get()), largest_scale_));
+    reach_.all.extend(reach_of(bounds_of_moments(*c.part, c.moments.get()), largest_scale_));
   }
   for (const Bounds3f& b : known_bounds_) {
-    reach_.all.extend(reach_of(b, largest_scale_));
-    reach_.kinds.push_back(reach_of(b, 1));
+    known_reach_.all.extend(reach_of(b, largest_scale_));
+    known_reach_.kinds.push_back(reach_of(b, 1));
   }
+  reach_.all = with_margin(reach_.all);
+  known_reach_.all = with_margin(known_reach_.all);
 }
 
 // Where a part with those bounds may lie around the place where it stands: turned about the vertical, or any way.
@@ -222,7 +235,10 @@ const std::vector<Bounds3f>& Scatter::variant_bounds(const SeenAs& seen_as) cons
 
 std::shared_ptr<const PlacedReach> Scatter::reach_on(const Bounds3f& ground, const Footprint* footprint,
                                                      Key individual) const {
-  const std::shared_ptr<const PlacedReach> general(std::shared_ptr<const PlacedReach>(), &reach_);
+  const bool is_known = individual == 0 && !known_bounds_.empty();
+  const std::shared_ptr<const PlacedReach> general(std::shared_ptr<const PlacedReach>(),
+                                                   is_known ? &known_reach_ : &reach_);
+  if (enlarges_) return enlarged_reach(ground, footprint, is_known);
   if (!footprint || settings_.variants == 0 || has_moments_ || !known_bounds_.empty()) return general;
   const Bounds3f region = bounds_with_reach(ground, typical_reach_);
   const Footprint::Range range = footprint->range({Vec3d(region.lower), Vec3d(region.upper)});
@@ -247,8 +263,46 @@ std::shared_ptr<const PlacedReach> Scatter::reach_on(const Bounds3f& ground, con
       reach.all.extend(reach_of(bounds[k], largest_scale_));
     }
   }
-  constexpr float margin = 1e-3f;  // far from the origin sums with a place are rounded
-  reach.all = reach.all.inflated(Vec3f(margin * reach.all.diagonal()));
+  reach.all = with_margin(reach.all);
+  return known = std::make_shared<const PlacedReach>(std::move(reach));
+}
+
+// For all footprints up to a step, which are those that such a reach, and so at first the general one, leaves to look
+// at.
+std::shared_ptr<const PlacedReach> Scatter::enlarged_reach(const Bounds3f& ground, const Footprint* footprint,
+                                                           bool is_known) const {
+  constexpr double rounding = 1e-9;
+  constexpr int times = 2;
+  constexpr int in_full = std::numeric_limits<int>::min();
+  std::shared_ptr<const PlacedReach> reach(std::shared_ptr<const PlacedReach>(), &reach_);
+  if (!footprint) return reach_up_to(in_full, nullptr, is_known);
+  for (int i = 0; i < times; ++i) {
+    const Bounds3f region = bounds_with_reach(ground, reach->all);
+    const double most = footprint->range({Vec3d(region.lower), Vec3d(region.upper)}).most / smallest_scale_;
+    if (!(most > 0 && most < std::numeric_limits<double>::max())) break;
+    const int step = footprint_step(most * (1 + rounding)) + 1;
+    const ConstantFootprint largest(size_of_step(step), footprint->fades());
+    reach = reach_up_to(step, &largest, is_known);
+  }
+  return reach;
+}
+
+std::shared_ptr<const PlacedReach> Scatter::reach_up_to(int step, const Footprint* footprint, bool is_known) const {
+  const std::lock_guard lock(mutex_);
+  forget_if_many();
+  const SeenAs seen_as{step, footprint && footprint->fades(), Key(is_known ? 0 : 1)};
+  std::shared_ptr<const PlacedReach>& known = reaches_[{seen_as, step}];
+  if (known) return known;
+  PlacedReach reach;
+  const int individuals = is_known ? settings_.variants : 1;
+  for (const Choice& c : choices_)
+    for (int i = 0; i < individuals; ++i) {
+      const Bounds3f& in_full = is_known ? known_bounds_[kind(c, i)] : c.part->typical;
+      const Bounds3f bounds = bounds_of_individual(*c.part, footprint, 0, in_full);
+      if (is_known) reach.kinds.push_back(reach_of(bounds, 1));
+      reach.all.extend(reach_of(bounds, largest_scale_));
+    }
+  reach.all = with_margin(reach.all);
   return known = std::make_shared<const PlacedReach>(std::move(reach));
 }
 
@@ -266,9 +320,9 @@ bool Scatter::leaves_bare(const Bounds3f& ground) const {
 }
 
 void Scatter::measure_variants() {
-  const bool are_known_otherwise =
-      std::any_of(choices_.begin(), choices_.end(), [](const Choice& c) { return c.part->derives || c.moments; });
-  if (settings_.variants > most_variants_measured || settings_.distinct > 0 || are_known_otherwise) return;
+  if (settings_.variants > most_variants_measured || settings_.distinct > 0 ||
+      std::ranges::any_of(choices_, is_bounded_otherwise))
+    return;
   for (const Choice& c : choices_)
     for (int i = 0; i < settings_.variants; ++i) known_bounds_.push_back(individual_bounds(*c.part, variant(i)));
 }
@@ -282,7 +336,8 @@ int Scatter::variant_of(Key key) const {
 // Of the mesh no more than its owned faces, which are the first, and their vertices.
 class Scatter::OnCell final : public Furnishing {
  public:
-  OnCell(const Scatter& scatter, const CellMesh& ground, Key individual) : scatter_(scatter) {
+  OnCell(const Scatter& scatter, const CellMesh& ground, Key individual)
+      : scatter_(scatter), is_known_(individual == 0 && !scatter.known_bounds_.empty()) {
     const Mesh& all = ground.mesh;
     const std::uint32_t faces = ground.owned_faces, corners = all.face_starts[faces];
     mesh_.face_starts.assign(all.face_starts.begin(), all.face_starts.begin() + faces + 1);
@@ -325,7 +380,8 @@ class Scatter::OnCell final : public Furnishing {
     const std::vector<float> scale = points.evaluate(*scatter_.settings_.scale, scatter_.seed_);
     for (std::size_t i = 0; i < points.size(); ++i)
       if (std::isfinite(scale[i]) && scale[i] != 0)
-        placements.push_back(scatter_.placement(points.position(i), points.normal(i), double(scale[i]), points.key(i)));
+        placements.push_back(
+            scatter_.placement(points.position(i), points.normal(i), double(scale[i]), points.key(i), is_known_));
   }
   std::size_t bytes() const override {
     return sizeof(*this) + mesh_.bytes() + uv_.capacity() * sizeof(Vec2d) + counts_.capacity() * 4;
@@ -366,6 +422,7 @@ class Scatter::OnCell final : public Furnishing {
   }
 
   const Scatter& scatter_;
+  const bool is_known_;
   Mesh mesh_;  // its face keys are those of what stands on them
   std::vector<Vec2d> uv_;
   std::vector<std::uint32_t> counts_;
@@ -382,7 +439,7 @@ const Scatter::Choice& Scatter::choose(double random) const {
   return choices_.back();
 }
 
-Placement Scatter::placement(Vec3d position, Vec3d normal, double scale, Key key) const {
+Placement Scatter::placement(Vec3d position, Vec3d normal, double scale, Key key, bool is_known) const {
   const Vec3d up{0, 1, 0};
   const Vec3d axis = normalize(up * (1 - settings_.align) + normal * settings_.align);
   const double turn = settings_.turn * pi / 180 * uniform_double(hash_keys(key, what_turn));
@@ -404,7 +461,7 @@ Placement Scatter::placement(Vec3d position, Vec3d normal, double scale, Key key
   p.is_shared = true;
   p.is_one_of_many = true;
   p.individual = variant(index);
-  if (!known_bounds_.empty()) p.known_bounds = known_bounds_[kind(choice, index)];
+  if (is_known) p.known_bounds = known_bounds_[kind(choice, index)];
   return p;
 }
 

@@ -46,9 +46,11 @@ class Scatter final : public Placer {
   std::unique_ptr<const Furnishing> furnish(const CellMesh& ground, Key individual) const override;
   bool leaves_bare(const Bounds3f& ground) const override;
   Bounds3f reach() const override { return reach_.all; }
+  Bounds3f typical_reach() const override { return typical_reach_; }
   // Where all is seen so small that variants stand there, theirs. Some milliseconds for a footprint that is new.
   std::shared_ptr<const PlacedReach> reach_on(const Bounds3f& ground, const Footprint* footprint,
                                               Key individual) const override;
+  bool enlarges() const override { return enlarges_; }
 
  private:
   class OnCell;
@@ -66,10 +68,13 @@ class Scatter final : public Placer {
     return std::size_t(&choice - choices_.data()) * std::size_t(settings_.variants) + std::size_t(variant);
   }
   void measure_variants();
+  std::shared_ptr<const PlacedReach> enlarged_reach(const Bounds3f& ground, const Footprint* footprint,
+                                                    bool is_known) const;
+  std::shared_ptr<const PlacedReach> reach_up_to(int step, const Footprint* footprint, bool is_known) const;
   Bounds3f reach_of(const Bounds3f& part, double scale) const;
   const std::vector<Bounds3f>& variant_bounds(const SeenAs& seen_as) const;
   void forget_if_many() const;  // needs mutex_
-  Placement placement(Vec3d position, Vec3d normal, double scale, Key key) const;
+  Placement placement(Vec3d position, Vec3d normal, double scale, Key key, bool is_known) const;
 
   const ScatterSettings settings_;
   const std::vector<Choice> choices_;
@@ -78,9 +83,11 @@ class Scatter final : public Placer {
   double smallest_scale_ = 0, largest_scale_ = 0;  // the magnitudes
   bool is_upright_ = false;                        // and never upside down
   bool has_moments_ = false;
-  // By kind(), if variants are few, keep still, and are not derived anyway.
+  bool enlarges_ = false;
+  // In full, by kind(), if variants are few, keep still, and are not derived anyway. Where the ground is of an
+  // individual of its own so are they: then nothing is known of them.
   std::vector<Bounds3f> known_bounds_;
-  PlacedReach reach_;
+  PlacedReach reach_, known_reach_;
   Bounds3f typical_reach_;                                          // of the boxes by which placed_footprint() decides
   double typical_size_ = 0;                                         // the largest side of one of these
   mutable std::mutex mutex_;                                        // held for a look-up at each box of ground

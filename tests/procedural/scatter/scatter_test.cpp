@@ -1,8 +1,12 @@
 #include "procedural/scatter/scatter.h"
 
 #include "geometry/cells/expansion.h"
+#include "geometry/cells/placed_footprint.h"
+#include "procedural/subdivision/subdivide_step.h"
+#include "tests/procedural/growth/derivation.h"
 #include "tests/support/test_model.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -121,6 +125,76 @@ TEST(Scatter, BoundsOfAVariantHoldOnEveryLevelOfDetail) {
                    [&](const Bounds3f& real) { EXPECT_TRUE(p.known_bounds.contains(real)) << pixel; });
     }
   }
+}
+
+// A ball of leaves that thin where they are seen small, the largest of them on its outside; `place`, if not null,
+// displaces them.
+std::shared_ptr<const Model> leafy_ball(int divisions, const char* place = nullptr) {
+  test::Derivation d(fmt::format(R"({{"type": "sphere", "radius": 0.5, "divisions": {}, "face": "leaf"}})", divisions),
+                     {R"json({"grow": 1, "thinning": {"leaf": 32}, "rules": {"leaf": {"template": "leaf", "length": 0.1,
+                              "width": 0.05, "bend": "80*rand()", "bend_direction": "360*rand()"}}})json"});
+  EXPECT_TRUE(d.messages().empty());
+  std::vector<std::unique_ptr<Step>> steps;
+  for (auto& step : d.steps) steps.push_back(std::move(step));
+  for (int level = 1; level <= 2; ++level) {
+    SubdivideStep::Settings s;
+    if (place) s.place = Expression::compile(place, placement_symbols(), ValueType::Vector);
+    s.level = level;
+    s.step_key = hash_keys(3, Key(level));
+    steps.push_back(std::make_unique<SubdivideStep>(s));
+  }
+  return std::make_shared<const Model>("ball", d.base, std::move(steps));
+}
+
+double side(const Bounds3f& b) { return double(max_component(b.size())); }
+
+// What is enlarged reaches as far as its footprint makes it: not to where it could at the worst, and not only as far as
+// in full. In models of some hundred faces and of many.
+TEST(Scatter, BoundsHoldWhatIsEnlargedAndLittleMore) {
+  for (const int divisions : {2, 6})
+    for (const char* place : {static_cast<const char*>(nullptr), "0.2*scale*N*snoise(9*P)"}) {
+      const auto model = leafy_ball(divisions, place);
+      const auto part = std::make_shared<const Part>(model);
+      ScatterSettings s = settings("0.05", "1");
+      s.variants = 3;
+      const Scatter scatter(s, {{part, 1}}, 1);
+      const CellMesh ground = meadow();
+      const auto furnishing = scatter.furnish(ground, 0);
+      int beyond_full = 0;
+      for (const double pixel : {0.01, 0.03, 0.1}) {
+        const ConstantFootprint footprint(pixel);
+        const auto reach = scatter.reach_on(furnishing->ground_bounds(), &footprint, 0);
+        std::set<Key> seen;
+        for (const Placement& p : placed(scatter, ground)) {
+          if (!seen.insert(p.individual).second) continue;
+          const Bounds3f bounds = bounds_of_individual(*part, &footprint, p.individual, placed_bounds(p));
+          EXPECT_LT(side(bounds), side(placed_bounds(p)) + (place ? 300 : 130) * pixel) << divisions << ' ' << pixel;
+          EXPECT_TRUE(bounds_with_reach(furnishing->ground_bounds(), reach->all).contains(bounds_in_parent(p, bounds)));
+          visit_leaves(*model, root_cell(*model, &footprint, p.individual), 0, [&](const Bounds3f& real) {
+            EXPECT_TRUE(bounds.contains(real)) << divisions << ' ' << pixel;
+            beyond_full += !placed_bounds(p).contains(real);
+          });
+        }
+        EXPECT_LE(side(reach->all), (pixel < 0.02 ? 0.5 : 1) * side(scatter.reach()));
+      }
+      EXPECT_TRUE(beyond_full > 0 || divisions == 2);
+      EXPECT_LT(side(part->typical), 0.5 * side(part->bounds));
+    }
+}
+
+// Placed in an individual of its own, a variant is another than the one that was measured.
+TEST(Scatter, NothingIsKnownOfVariantsOfOtherIndividuals) {
+  ScatterSettings s = settings("0.05", "1");
+  s.variants = 3;
+  const Scatter scatter(s, {{std::make_shared<const Part>(leafy_ball(6)), 1}}, 1);
+  const CellMesh ground = meadow();
+  std::vector<Placement> list;
+  const auto furnishing = scatter.furnish(ground, 7);
+  furnishing->place(0, furnishing->face_count(), list);
+  ASSERT_FALSE(list.empty());
+  for (const Placement& p : list) EXPECT_TRUE(p.known_bounds.empty());
+  EXPECT_TRUE(scatter.reach_on(furnishing->ground_bounds(), nullptr, 7)->kinds.empty());
+  EXPECT_FALSE(scatter.reach_on(furnishing->ground_bounds(), nullptr, 0)->kinds.empty());
 }
 
 TEST(Scatter, WeightsChooseAmongKinds) {
