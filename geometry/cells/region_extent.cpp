@@ -206,13 +206,13 @@ Bounds3d frozen_bounds(const Model& model, const Mesh& mesh, std::span<const std
   return bounds.empty() ? bounds : bounds.inflated(Vec3d(model.quantum().step()));
 }
 
-// What thins is enlarged by the footprint where it stands; where that may be, the first bounds tell, and the second
-// ones tell closer.
+// What thins is enlarged by the footprint where it stands: at first that may be anywhere, then no further than the
+// bounds so far. Always as often, so that what stands in a part of a region has bounds in those of the region.
 Bounds3d seen_bounds(const Model& model, Extent e, int level, const Footprint* footprint) {
-  constexpr int times = 2;
   e.footprint = footprint ? INFINITY : 0;
   Bounds3d bounds = final_bounds(model, e, level);
-  for (int i = 0; i < times && footprint && model.enlarges_later(level); ++i) {
+  if (!footprint || !model.enlarges_later(level)) return bounds;
+  for (int i = 0; i < footprint_passes; ++i) {
     e.footprint = footprint->range(bounds).most;
     bounds = final_bounds(model, e, level);
   }

@@ -8,6 +8,9 @@
 
 namespace meristem {
 
+// How often bounds are told again from the footprints in the bounds so far, where these say how large things become.
+constexpr int footprint_passes = 6;
+
 // The extent of the listed faces before step `level`; the mesh must hold two complete rings around them.
 Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adjacency,
                      std::span<const std::uint32_t> faces, int level);

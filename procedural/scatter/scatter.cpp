@@ -3,6 +3,7 @@
 #include "geometry/cells/expansion.h"
 #include "geometry/cells/look_ahead.h"
 #include "geometry/cells/placed_footprint.h"
+#include "geometry/cells/region_extent.h"
 #include "geometry/mesh/refine.h"
 
 #include <algorithm>
@@ -267,21 +268,20 @@ std::shared_ptr<const PlacedReach> Scatter::reach_on(const Bounds3f& ground, con
   return known = std::make_shared<const PlacedReach>(std::move(reach));
 }
 
-// For all footprints up to a step, which are those that such a reach, and so at first the general one, leaves to look
-// at.
+// As bounds of what stands there (region_bounds()): from the footprints where anything may reach, again and again.
 std::shared_ptr<const PlacedReach> Scatter::enlarged_reach(const Bounds3f& ground, const Footprint* footprint,
                                                            bool is_known) const {
   constexpr double rounding = 1e-9;
-  constexpr int times = 2;
+  constexpr double steps_per_octave = 8;  // so that neighbours ask for the same
   constexpr int in_full = std::numeric_limits<int>::min();
-  std::shared_ptr<const PlacedReach> reach(std::shared_ptr<const PlacedReach>(), &reach_);
   if (!footprint) return reach_up_to(in_full, nullptr, is_known);
-  for (int i = 0; i < times; ++i) {
+  std::shared_ptr<const PlacedReach> reach(std::shared_ptr<const PlacedReach>(), &reach_);
+  for (int i = 0; i < footprint_passes; ++i) {
     const Bounds3f region = bounds_with_reach(ground, reach->all);
     const double most = footprint->range({Vec3d(region.lower), Vec3d(region.upper)}).most / smallest_scale_;
     if (!(most > 0 && most < std::numeric_limits<double>::max())) break;
-    const int step = footprint_step(most * (1 + rounding)) + 1;
-    const ConstantFootprint largest(size_of_step(step), footprint->fades());
+    const int step = int(std::ceil(std::log2(most * (1 + rounding)) * steps_per_octave));
+    const ConstantFootprint largest(std::exp2(step / steps_per_octave), footprint->fades());
     reach = reach_up_to(step, &largest, is_known);
   }
   return reach;

@@ -48,13 +48,13 @@ float Perspective::cone_tangent_squared(int width, int height) const {
 std::pair<float, float> Perspective::footprint_range(Vec3f center, float radius, int width, int height) const {
   const Vec3d v = Vec3d(center) - Vec3d(origin());
   const double distance = length(v), r = double(radius) + 1e-6 * length(Vec3d(center));
-  if (!(distance > 2 * r)) return {0.f, std::numeric_limits<float>::infinity()};
   const double cone = std::atan(std::sqrt(double(cone_tangent_squared(width, height))));
-  const double angle = std::acos(std::clamp(dot(v, Vec3d(frame_.forward())) / distance, -1.0, 1.0));
-  const double turn = std::asin(r / distance), from = std::max(angle - turn, 0.0), to = std::min(angle + turn, pi);
   const auto depth = [&](double a) { return a <= cone ? std::cos(a) : std::cos(cone) * (1 + 2 * (a - cone)); };
   const double pixel = 2 * double(half_height_) / height;
   constexpr double margin = 1e-3;  // of quick_acos() and of rounding
+  if (!(distance > r)) return {0.f, float(pixel * (distance + r) * std::max(1.0, depth(pi)) * (1 + margin))};
+  const double angle = std::acos(std::clamp(dot(v, Vec3d(frame_.forward())) / distance, -1.0, 1.0));
+  const double turn = std::asin(r / distance), from = std::max(angle - turn, 0.0), to = std::min(angle + turn, pi);
   return {float(pixel * (distance - r) * depth(std::clamp(cone, from, to)) * (1 - margin)),
           float(pixel * (distance + r) * std::max(depth(from), depth(to)) * (1 + margin))};
 }

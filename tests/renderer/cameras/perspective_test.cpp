@@ -72,6 +72,15 @@ TEST(Pinhole, FootprintsInASphereStayInTheirRange) {
   EXPECT_LT(far.second, 1.02f * far.first);
 }
 
+// Around the camera they go down to nothing, but not up to anything.
+TEST(Pinhole, FootprintsInASphereAroundItHaveABound) {
+  const auto camera = make<Camera>(register_pinhole, R"({ "from": [0, 0, 0], "to": [0, 0, -1] })");
+  const auto [least, most] = camera->footprint_range({0, 1, 0}, 5, width, height);
+  EXPECT_EQ(least, 0);
+  EXPECT_GE(most, camera->footprint({0, 0, 5}, width, height));
+  EXPECT_LE(most, 1.5f * camera->footprint({0, 0, 5}, width, height));
+}
+
 TEST(Pinhole, FootprintGrowsGentlyAndWithoutJumpsOutOfView) {
   const auto camera = make<Camera>(register_pinhole, R"({ "from": [0, 0, 0], "to": [0, 0, -1] })");
   auto footprint = [&](double angle) {
