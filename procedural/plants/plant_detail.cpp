@@ -105,9 +105,13 @@ void merge_leaves(const WeberPennParameters& p, double share, PlantDetail& d) {
 double kept_share(const WeberPennParameters& p, int level, double footprint) {
   const bool is_bare = level < p.levels && expected_children(p, level) == 0;
   if (level == 0 || footprint <= 0 || is_bare) return 1;
-  if (level < p.levels)
-    return std::min(1.0, kept_share(p, level + 1, footprint) * mean_of_most_children * expected_children(p, level) /
-                             fewest_children(p, level, smallest_card * footprint));
+  if (level < p.levels) {
+    // Whole stems are left out only where children are, even if none ever bears as many as are wanted on those that
+    // stay
+    const double children = mean_of_most_children * expected_children(p, level);
+    const double fewest = std::min(children, fewest_children(p, level, smallest_card * footprint));
+    return std::min(1.0, kept_share(p, level + 1, footprint) * children / fewest);
+  }
   const double card = smallest_card * footprint / leaf_length(p);
   const double table = degradation::leaf_points(degradation::effective_range(footprint), 200);
   const double share = std::min(table, p.leaf_scale_x / (card * card));

@@ -70,6 +70,31 @@ TEST(PlantDetail, ATreeThinsAndKeepsItsFoliage) {
   }
 }
 
+TEST(PlantDetail, FromCloseByNothingIsMissing) {
+  const Drawn full = drawn_at(0);
+  for (const double range : {0.5, 5.0, 15.0})
+    EXPECT_NEAR(drawn_at(range).leaves, full.leaves, 0.01 * full.leaves) << range;
+}
+
+// As long as no leaf is left out no stem is, however few leaves stems bear; and there are fewer of them where leaves
+// are.
+TEST(PlantDetail, StemsAreLeftOutWhereLeavesAre) {
+  std::vector<WeberPennParameters> plants;
+  for (const PlantSpecies& species : plant_species()) plants.push_back(species.parameters);
+  plants.push_back(parameters_of(R"("levels": 2, "branches": [null, 15], "leaves": -7, "leaf_scale": 0.3)"));
+  plants.push_back(parameters_of(R"("levels": 4, "branches": [null, 5, 0.5, 2], "leaves": 0.5)"));
+  for (const WeberPennParameters& p : plants)
+    for (int level = 1; level < p.levels; ++level) {
+      double before = 1;
+      for (double footprint = 1e-4; footprint < 0.3; footprint *= 1.3) {
+        const double share = kept_share(p, level, footprint), leaves = kept_share(p, p.levels, footprint);
+        EXPECT_TRUE(share == 1 || leaves < 1) << level << ' ' << footprint << ": " << share;
+        EXPECT_LE(share, before) << level << ' ' << footprint;
+        before = share;
+      }
+    }
+}
+
 std::uint64_t final_faces(const Model& model, CellMesh cell, int level) {
   const Expansion e = expand(model, std::move(cell), level);
   if (e.leaf) return e.leaf->face_count;
