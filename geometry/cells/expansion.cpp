@@ -98,10 +98,11 @@ class Expander {
     step.apply(cell_, model_.halo_rings(level_ + 1), out);
     out.footprint = cell_.footprint;
     cell_ = std::move(out);
-    if (step.refines())
+    const std::optional<RefineOptions> refinement = step.refinement();
+    if (refinement && refinement->scheme == Scheme::CatmullClark)
       ++squares_.refinements;
     else
-      begin_squares();
+      begin_squares();  // triangles of triangles make no squares either
     StepWork& work = result_.work[std::size_t(level_)];
     work = {cell_.owned_faces, seconds_since(start)};
     result_.faces += cell_.owned_faces;
@@ -113,7 +114,8 @@ class Expander {
 
   // Triangles make no squares: they go on together.
   void take_done() {
-    if (cell_.mesh.corner_count(0) == 3 && squares_.refinements > 0) return;
+    if (cell_.mesh.corner_count(0) == 3 && model_.step(level_ - 1).refines()) return;
+    if (model_.makes_quads_of_triangles_later(level_)) return;
     if (auto done = take_done_faces(model_, cell_, level_, squares_)) done_.push_back(std::move(*done));
   }
 

@@ -221,7 +221,9 @@ bool freeze_by(const Model& model, CellMesh& cell, int level, std::vector<std::u
   measure_nominal_scale(model, cell, level);
   if (model.drops_faces_later(level)) return false;  // which of the faces will be shown is not known yet
   Freezing freezing(model, cell, level, wanted);
-  if (freezing.find_candidates()) return true;
+  // A triangle that is done is shown as Catmull-Clark would cut it, which is known when that comes next: until then all
+  // go on, and those that are done make nothing but copies.
+  if (freezing.find_candidates() && !model.makes_quads_of_triangles_later(level)) return true;
   if (freezing.is_time()) freeze(freezing);
   return false;
 }

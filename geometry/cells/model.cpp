@@ -99,13 +99,21 @@ std::optional<Smoothing> Model::smoothing(int level) const {
     scheme = step(i).refinement();
   }
   if (!scheme) return {};
-  return Smoothing{*scheme, is_refined, quantum_};
+  return Smoothing{*scheme, is_refined && step(level - 1).refinement()->scheme == scheme->scheme, quantum_};
 }
 
 std::optional<Scheme> Model::next_scheme(int level) const {
   for (int i = level; i < levels(); ++i)
     if (const auto refinement = step(i).refinement()) return refinement->scheme;
   return {};
+}
+
+bool Model::makes_quads_of_triangles_later(int level) const {
+  if (next_scheme(level) != Scheme::Loop) return false;
+  for (int i = level; i < levels(); ++i)
+    if (const auto refinement = step(i).refinement(); refinement && refinement->scheme == Scheme::CatmullClark)
+      return true;
+  return false;
 }
 
 double Model::growth_reach(const FaceOrigin& origin, const Bounds3d& face, double radius, int level,

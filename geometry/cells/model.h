@@ -66,6 +66,8 @@ class Model {
   std::optional<Smoothing> smoothing(int level) const;
   // The scheme of the first step at `level` or later that refines.
   std::optional<Scheme> next_scheme(int level) const;
+  // Whether that is Loop's, and after it Catmull-Clark follows.
+  bool makes_quads_of_triangles_later(int level) const;
   // The first step at `level` or later that replaces faces with this symbol; levels(): none does.
   int growing_step(std::int32_t symbol, int level) const;
   bool grows_later(std::int32_t symbol, int level) const { return growing_step(symbol, level) < levels(); }

@@ -7,6 +7,8 @@
 #include "tests/geometry/mesh/subdivision_cases.h"
 #include "tests/procedural/growth/derivation.h"
 #include "tests/support/leaf_quads.h"
+#include "tests/support/point_footprint.h"
+#include "tests/support/shown_corners.h"
 
 #include <gtest/gtest.h>
 
@@ -249,6 +251,37 @@ TEST(Subdivide, OfBorderFacesAloneShowsNothing) {
       EXPECT_EQ(leaf.face_count, 0u);
       EXPECT_TRUE(leaf.positions.empty());
     }
+}
+
+// Two levels by Loop's scheme and then four by Catmull and Clark's, the other way round impossible.
+std::shared_ptr<const Model> loop_then_catmull_clark(Mesh base, const std::string& place, CellSettings settings) {
+  std::vector<std::unique_ptr<Step>> steps;
+  const auto expression = place.empty() ? nullptr : Expression::compile(place, placement_symbols(), ValueType::Vector);
+  for (int level = 1; level <= 6; ++level) {
+    RefineOptions options;
+    if (level <= 2) options.scheme = Scheme::Loop;
+    steps.push_back(std::make_unique<SubdivideStep>(
+        SubdivideStep::Settings{options, expression, level, refined_step_key(level), Quantum()}));
+  }
+  return std::make_shared<const Model>("test", std::move(base), std::move(steps), settings);
+}
+
+// Corners bit for bit, though triangles are done in one cell while they are made quads in another.
+TEST(Subdivide, SchemesMayFollowEachOtherWhereFacesAreDone) {
+  const PointFootprint near({1.2, 0.5, 0}, 0.05), fading({1.2, 0.5, 0}, 0.05, true), far({9, 3, 3}, 0.03);
+  const ConstantFootprint middling(0.3);
+  for (const Mesh& base : {shapes::icosahedron(), triangles_of(shapes::bumpy_grid(5))})
+    for (const char* place : {"", "0.3*scale*N*hash(N, P)"})
+      for (const Footprint* footprint : std::initializer_list<const Footprint*>{&near, &fading, &far, &middling}) {
+        const auto expected = shown_corners(*loop_then_catmull_clark(base, place, whole), footprint);
+        EXPECT_GT(expected.size(), 10u);
+        for (const CellSettings settings :
+             {CellSettings{4, 16}, CellSettings{16, 64}, CellSettings{64, 64}, CellSettings{256, 4}}) {
+          const auto cut = shown_corners(*loop_then_catmull_clark(base, place, settings), footprint);
+          EXPECT_EQ(cut.size(), expected.size()) << place << ", leaves of " << settings.leaf_faces;
+          EXPECT_TRUE(cut == expected) << place << ", leaves of " << settings.leaf_faces;
+        }
+      }
 }
 
 }  // namespace
