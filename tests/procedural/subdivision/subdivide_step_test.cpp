@@ -140,6 +140,13 @@ TEST(Subdivide, BoundsContainWhatIsLeft) {
       }
 }
 
+// Beyond what floats can be traced with is as good as nowhere.
+TEST(Subdivide, AModelThatCouldReachAnywhereIsRefused) {
+  for (const char* place : {"N*1e30/scale", "N*exp(P[0])^99*1e38"})
+    EXPECT_THROW(subdivided(shapes::bumpy_grid(3), 3, never, {}, place, whole), std::runtime_error) << place;
+  EXPECT_NO_THROW(subdivided(shapes::bumpy_grid(3), 3, never, {}, "N*clamp(1e30/scale, 0, 9)", whole));
+}
+
 // However little is wanted, nothing is shown of a mesh whose border is still there.
 TEST(Subdivide, CoarseSurfacesHaveNoBorderEither) {
   const ConstantFootprint coarse(100);
