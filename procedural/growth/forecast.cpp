@@ -1,7 +1,10 @@
 #include "procedural/growth/forecast.h"
 
+#include "geometry/cells/region_extent.h"
+#include "geometry/mesh/adjacency.h"
 #include "procedural/growth/grow_step.h"
 
+#include <numeric>
 #include <set>
 
 namespace meristem {
@@ -43,21 +46,50 @@ FaceCensus kinds_after_growth(const GrowStep& step, const FaceCensus& before, st
   return after;
 }
 
+// Takes a forecast through steps, one by one.
+class Forecast {
+ public:
+  Forecast(const Mesh& base, Extent extent) : faces_(census_of(base)), region_(std::move(extent)) {}
+
+  void take(const Step& step) {
+    if (const auto* grow = dynamic_cast<const GrowStep*>(&step))
+      faces_ = grow->forecast(faces_, region_);
+    else if (step.refines())
+      faces_ = after_refinement(step, faces_);
+    region_ = step.bound(region_);
+  }
+  double total() const {
+    double total = 0;
+    for (const auto& [kind, count] : faces_) total += count;
+    return total;
+  }
+
+ private:
+  FaceCensus faces_;
+  Extent region_;
+};
+
 }  // namespace
 
 double estimated_faces(const Mesh& base, const Extent& extent, std::span<const std::unique_ptr<Step>> steps) {
-  FaceCensus faces = census_of(base);
-  Extent region = extent;
-  for (const auto& step : steps) {
-    if (const auto* grow = dynamic_cast<const GrowStep*>(step.get()))
-      faces = grow->forecast(faces, region);
-    else if (step->refines())
-      faces = after_refinement(*step, faces);
-    region = step->bound(region);
+  Forecast forecast(base, extent);
+  for (const auto& step : steps) forecast.take(*step);
+  return forecast.total();
+}
+
+double expected_faces(const Model& model) {
+  const Mesh& base = model.base().mesh;
+  if (model.levels() > 0 && model.step(0).thins()) {  // it knows what comes of a bud
+    double faces = 0;
+    for (const std::uint32_t origin : base.face_origins)
+      faces += model.step(0).thinned_faces(base.origins[origin], 0, model.estimated_faces(4, -1, 1));
+    return faces;
   }
-  double total = 0;
-  for (const auto& [kind, count] : faces) total += count;
-  return total;
+  std::vector<std::uint32_t> all(base.face_count());
+  std::iota(all.begin(), all.end(), 0u);
+  Forecast forecast(base, region_extent(model, base, Adjacency(base), all, 0));
+  for (int level = 0; level < model.levels(); ++level) forecast.take(model.step(level));
+  return forecast.total();
 }
 
 void check_corner_counts(const Mesh& base, std::span<const std::unique_ptr<Step>> steps, Diagnostics& diagnostics) {

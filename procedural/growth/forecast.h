@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/base/source.h"
-#include "geometry/cells/step.h"
+#include "geometry/cells/model.h"
 
 #include <memory>
 #include <span>
@@ -13,6 +13,9 @@ namespace meristem {
 // certain, else an upper bound. `extent`: that of the whole base mesh. Cheap: grows with the number of steps and rules,
 // not with the faces.
 double estimated_faces(const Mesh& base, const Extent& extent, std::span<const std::unique_ptr<Step>> steps);
+
+// The same of a model that has been made, and of trees of Weber and Penn about as many.
+double expected_faces(const Model& model);
 
 // Reports every production whose template cannot stand on a face that it may meet (a fork on a triangle), following the
 // symbols from the base mesh through all steps; conditions are taken to hold.

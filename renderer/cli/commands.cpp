@@ -18,6 +18,12 @@ namespace meristem {
 
 namespace {
 
+// Of faces, of which nobody wants to know the last one.
+std::string rounded_count(double count) {
+  if (count < 1e6) return fmt::format("{:.0f}", count);
+  return count < 1e9 ? fmt::format("{:.3g} million", count / 1e6) : fmt::format("{:.2g}", count);
+}
+
 std::string scene_summary(const std::string& path, const LoadedScene& loaded) {
   const Scene& scene = *loaded.scene;
   const RenderSettings& settings = scene.settings;
@@ -26,6 +32,8 @@ std::string scene_summary(const std::string& path, const LoadedScene& loaded) {
   text += fmt::format("  image      {} x {} pixels, {} samples, {} bounces\n", settings.width, settings.height,
                       settings.samples, settings.max_depth);
   text += fmt::format("  lights     {}\n  materials  {}\n", scene.lights.size(), scene.materials.size());
+  for (const auto& [name, faces] : loaded.models)
+    text += fmt::format("  model      {}: {} faces in full, estimated\n", name, rounded_count(faces));
   if (!bounds.empty())
     text += fmt::format("  bounds     [{:.4g}, {:.4g}, {:.4g}] to [{:.4g}, {:.4g}, {:.4g}]\n", bounds.lower.x,
                         bounds.lower.y, bounds.lower.z, bounds.upper.x, bounds.upper.y, bounds.upper.z);

@@ -147,7 +147,9 @@ ModelSection read_model(Params& params) {
 
 std::shared_ptr<const Model> build_model(const std::string& name, const Value& value, int seed,
                                          const ModelContext& context) {
-  return ModelBuilder(name, value, seed, context).build();
+  std::shared_ptr<const Model> model = ModelBuilder(name, value, seed, context).build();
+  if (model && context.on_model) context.on_model(name, *model);
+  return model;
 }
 
 }  // namespace meristem

@@ -27,6 +27,8 @@ struct ModelContext {
   CellSettings cells = {};
   int levels = 0;                                              // of the steps, if not all: 0
   ProductionNumber production_number = no_production_numbers;  // by "model/shoot[2]"
+  // Told of every model that is built, by its name in the scene.
+  std::function<void(const std::string& name, const Model& model)> on_model = nullptr;
 };
 
 // Builds the model called `name` in the variant `seed`. Null, with errors in the diagnostics, if it cannot be.

@@ -3,6 +3,7 @@
 #include "geometry/base/parallel.h"
 #include "geometry/base/sha256.h"
 #include "geometry/fields/time.h"
+#include "procedural/growth/forecast.h"
 #include "renderer/cameras/moving_camera.h"
 #include "renderer/language/override.h"
 #include "renderer/language/scene_file.h"
@@ -107,7 +108,8 @@ class SceneBuilder {
         diagnostics_,
         {},
         0,
-        [this](const std::string& name) { return production_number(name); }};
+        [this](const std::string& name) { return production_number(name); },
+        [this](const std::string& name, const Model& model) { forecast(name, model); }};
     PartLibrary library(models, context, shutter_);
     SceneGrids grids(grid_section, std::filesystem::path(path_ == "-" ? "" : path_).parent_path().string(),
                      shutter_.opens, library, diagnostics_);
@@ -118,9 +120,10 @@ class SceneBuilder {
     choose_camera(file, camera, cameras);
     std::vector<Placement> world = objects ? library.place(*objects) : std::vector<Placement>{};
     scene_->moves = scene_->moves || library.moves();
-    const std::size_t productions = scene_->names.productions.size();
+    const std::size_t productions = scene_->names.productions.size(), forecasts = forecasts_.size();
     library.check_unused();
     scene_->names.productions.resize(productions);
+    forecasts_.resize(forecasts);
     grids.check_unused();
     if (objects) scene_->names.objects = object_names(*objects);
     diagnostics_.throw_if_errors();
@@ -129,6 +132,7 @@ class SceneBuilder {
 
     add_glowing_objects(world, *scene_);
     LoadedScene result;
+    result.models = std::move(forecasts_);
     if (options_.keep_objects) {
       result.objects = std::move(world);
       result.footprint = camera_footprint(*scene_);
@@ -242,6 +246,13 @@ class SceneBuilder {
     if (!is_new) return known->second;
     if (names.size() < no_production) names.push_back(name);
     return known->second;
+  }
+
+  // Individuals of one model have about as many.
+  void forecast(const std::string& name, const Model& model) {
+    if (!options_.check_only || options_.keep_objects) return;
+    const bool is_known = std::ranges::any_of(forecasts_, [&](const auto& f) { return f.first == name; });
+    if (!is_known) forecasts_.emplace_back(name, expected_faces(model));
   }
 
   void add_lights(const Value* lights) {
@@ -382,6 +393,7 @@ class SceneBuilder {
   std::unique_ptr<Camera> later_camera_;  // a frame later; null: it is where it was, or nobody asks
   std::map<std::string, int> material_names_;
   std::map<std::string, std::uint16_t> production_numbers_;
+  std::vector<std::pair<std::string, double>> forecasts_;
   std::vector<ExpressionMedium*> media_;  // those of the scene
 };
 

@@ -45,6 +45,7 @@ struct LoadedScene {
   std::vector<Diagnostic> warnings;
   std::vector<std::pair<std::string, std::string>> texts = {};  // read, included ones too: name and SHA-256
   std::vector<std::pair<std::string, std::string>> files = {};  // that the scene names: name and path
+  std::vector<std::pair<std::string, double>> models = {};      // with check_only: how many faces they have in full
   std::vector<Placement> objects = {};                          // if they are kept
   std::shared_ptr<const Footprint> footprint = nullptr;         // with them; borrows the scene's camera
 };

@@ -105,6 +105,25 @@ TEST_F(WholeProgram, ChecksWithoutRendering) {
   EXPECT_EQ(folder_.files(), 1u);
 }
 
+TEST_F(WholeProgram, ForetellsHowManyFacesModelsHave) {
+  const std::string scene = R"json({ "format": 1, "models": {
+    "cube": { "base": { "type": "box" }, "steps": [ { "subdivide": 2 } ] },
+    "endless": { "base": { "type": "prism", "cap": "a" }, "steps": [
+      { "grow": 60, "rules": { "a": { "template": "fork", "faces": { "left": "a", "right": "a" } } } } ] },
+    "aspen": { "base": { "type": "weber_penn", "species": "quaking_aspen" } },
+    "unused": { "base": { "type": "box" } } },
+    "objects": [ { "model": "cube" }, { "model": "cube", "seed": 1 }, { "model": "endless" }, { "model": "aspen" } ],
+    "camera": { "from": [0, 0, 9] } })json";
+  EXPECT_EQ(run(scene, {"check", "a.jsonc"}), 0) << error_;
+  EXPECT_NE(out_.find("model      cube: 96 faces in full, estimated\n"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("model      endless: 2e+19 faces in full, estimated\n"), std::string::npos) << out_;
+  EXPECT_EQ(out_.find("unused:"), std::string::npos) << out_;
+  // It has 69,800, and about as many with other seeds
+  const std::size_t aspen = out_.find("model      aspen: ");
+  ASSERT_NE(aspen, std::string::npos) << out_;
+  EXPECT_NEAR(std::stod(out_.substr(aspen + 18)), 69800, 35000) << out_;
+}
+
 TEST_F(WholeProgram, DescribesEveryKindByItsName) {
   for (const char* kind : {"section", "base", "step", "production", "template", "material", "light", "camera",
                            "integrator", "sampler", "filter"})
