@@ -182,7 +182,7 @@ void Instances::occluded(RayContext& context, RTCRay& ray) const {
 
 std::optional<std::size_t> Instances::entered(const TreeRay& ray, float t_min, float t_max,
                                               FewBoxes::List& list) const {
-  if (scene_) return scene_->entered_of_few(ray, t_min, t_max, list);
+  if (scene_) return scene_->entered(ray, t_min, t_max, tightened_, list);
   list[0] = {t_min, 0};
   return instances_.size();
 }

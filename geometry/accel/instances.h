@@ -93,7 +93,8 @@ class Instances {
   void occluded(RayContext& context, RTCRay& ray) const;
   // As ModelRoot::follow(); the way begins with the number of an instance.
   bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const;
-  // Those that the ray enters, the nearest first, if there are few in all; nothing: there are many.
+  // Those that the ray enters, the nearest first, if they are no more than a list holds and, unless there are no more
+  // in all, have been tightened; else nothing.
   std::optional<std::size_t> entered(const TreeRay& ray, float t_min, float t_max, FewBoxes::List& list) const;
   const Instance& instance(std::uint32_t index) const { return instances_[index]; }
   Instance::Place place_of(std::uint32_t index) const {

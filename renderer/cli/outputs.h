@@ -26,8 +26,7 @@ bool is_film_file(const std::string& path);
 // Throws FileError if the extension is none that can be written.
 void check_extension(const std::string& path);
 
-// The files that a command is going to write. Throws UsageError if two of them are one, or one is what the command
-// reads
+// The files that a command is going to write. Throws UsageError if two of them are one, or one is what it reads
 // (`input`; none if it is empty or "-"). Empty names are none.
 void check_targets(const std::string& input, const std::vector<std::string>& targets);
 
