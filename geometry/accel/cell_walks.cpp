@@ -90,6 +90,7 @@ std::size_t LazyRoot::braid(std::vector<const ModelRoot*>& below) const {
   }
   strands.add(*cell);
   braided_ = std::make_unique<const BraidedCells>(std::move(strands.surfaces), std::move(strands.others));
+  known_bounds_ = braided_->bounds();
   return braided_->bytes();
 }
 

@@ -121,7 +121,7 @@ Instances::Instances(std::vector<Instance> instances, std::span<const Bounds3f> 
   for (const Instance& i : instances_) bytes_ += i.bytes_beside();
   for (const Bounds3f& b : bounds) bounds_.extend(b);
   if (instances_.size() < 2) return;
-  scene_.emplace(bounds, BoxContents{this, intersect_one, occlude_one});
+  scene_ = std::make_unique<BoxScene>(bounds, BoxContents{this, intersect_one, occlude_one});
   bytes_ += scene_->bytes();
 }
 
@@ -138,8 +138,9 @@ void Instances::tighten() {
   for (const Instance& i : instances_) boxes.push_back(i.known_bounds());
   const auto same = [](const Bounds3f& a, const Bounds3f& b) { return a.lower == b.lower && a.upper == b.upper; };
   if (std::ranges::equal(boxes, tightened_, same)) return;
+  auto tight = std::make_unique<BoxScene>(boxes, BoxContents{this, intersect_one, occlude_one});
   bytes_ -= scene_->bytes() + tightened_.capacity() * sizeof(Bounds3f);
-  scene_.emplace(boxes, BoxContents{this, intersect_one, occlude_one});
+  scene_ = std::move(tight);
   tightened_ = std::move(boxes);
   bytes_ += scene_->bytes() + tightened_.capacity() * sizeof(Bounds3f);
 }

@@ -122,7 +122,7 @@ class Instances {
   const bool are_objects_;
   const std::uint32_t first_;
   std::vector<Bounds3f> tightened_;  // the boxes of the scene, if not those with which it was placed
-  std::optional<BoxScene> scene_;    // none: there is one instance at most
+  std::unique_ptr<BoxScene> scene_;  // null: there is one instance at most
   std::size_t bytes_ = 0;
 };
 

@@ -159,17 +159,13 @@ CellEntry* LazyRoot::root(const RayUse& use) const {
   return static_cast<CellEntry*>(cache_.acquire(slot_, source_.parent, use, [this] {
     std::unique_ptr<CacheEntry> entry = make_root_entry();
     entry->name = name_;
-    known_bounds_ = static_cast<const CellEntry&>(*entry).real_bounds();
+    if (!known_bounds_) known_bounds_ = static_cast<const CellEntry&>(*entry).real_bounds();
     return entry;
   }));
 }
 
-// With a margin, as those of cells: hits may lie a little beyond. Braids keep the cells whose boxes are theirs; what
-// was known of the root when it was expanded holds for good.
-Bounds3f LazyRoot::known_bounds() const {
-  if (passage()) return with_rounding_margin(braided_->bounds());
-  return known_bounds_ ? with_rounding_margin(*known_bounds_) : bounds();
-}
+// With a margin, as those of cells: hits may lie a little beyond. What was known once holds for good.
+Bounds3f LazyRoot::known_bounds() const { return known_bounds_ ? with_rounding_margin(*known_bounds_) : bounds(); }
 
 void LazyRoot::tighten() const {
   CellEntry* const cell = found(slot_);

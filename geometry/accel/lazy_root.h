@@ -79,7 +79,7 @@ class LazyRoot final : public ModelRoot {
   const Key name_;                          // of its root cell, for rays that wait
   const Key number_;                        // among those that know their cells
   mutable CacheSlot slot_;
-  mutable std::optional<Bounds3f> known_bounds_;         // once it has been expanded
+  mutable std::optional<Bounds3f> known_bounds_;         // once it has been expanded; closer once braided
   mutable std::unique_ptr<const BraidedCells> braided_;  // null: rays go through the cells
 };
 

@@ -132,23 +132,20 @@ class World final : public Intersector {
   }
 
   void unsettle() override {
-    for (const ModelRoot* root : braided_) root->unbraid();
-    braided_.clear();
-    braid_bytes_ = 0;
-    has_passages_ = false;
-    cache_.release_kept();
+    unbraid();
+    tighten();
   }
   void settle() override {
-    unsettle();
-    try {
-      if (has_room_to_keep()) {
-        cache_.keep_resident();
+    unbraid();
+    if (has_room_to_keep()) {
+      cache_.keep_resident();
+      try {
         braid();
+      } catch (const std::bad_alloc&) {  // rays go through the cells, as before
+        unbraid();
       }
-      run_isolated([&] { worlds_->tighten(); });
-    } catch (const std::bad_alloc&) {  // rays go through the cells, as before
-      unsettle();
     }
+    tighten();
   }
   bool is_settled() const override { return has_passages_; }
   bool is_crowded() const override { return cache_.is_crowded(); }
@@ -205,6 +202,21 @@ class World final : public Intersector {
       }
     // Groups after their members
     run_isolated([&] { std::ranges::for_each(braided_ | std::views::reverse, &ModelRoot::tighten); });
+  }
+
+  void unbraid() {
+    for (const ModelRoot* root : braided_) root->unbraid();
+    braided_.clear();
+    braid_bytes_ = 0;
+    has_passages_ = false;
+    cache_.release_kept();
+  }
+
+  void tighten() {
+    try {
+      run_isolated([&] { worlds_->tighten(); });
+    } catch (const std::bad_alloc&) {  // boxes stay as wide as they were
+    }
   }
 
   // What is kept must leave a part of the budget to what will be expanded, and braids cost a few hundredths.
