@@ -19,4 +19,9 @@ std::size_t resident_set_bytes() {
   return resident * std::size_t(::sysconf(_SC_PAGESIZE));
 }
 
+std::size_t machine_memory_bytes() {
+  const long pages = ::sysconf(_SC_PHYS_PAGES);
+  return pages > 0 ? std::size_t(pages) * std::size_t(::sysconf(_SC_PAGESIZE)) : 0;
+}
+
 }  // namespace meristem

@@ -13,4 +13,7 @@ void give_back_freed_memory();
 // What is resident now, in bytes, as the system counts it; 0 where it does not tell.
 std::size_t resident_set_bytes();
 
+// What the machine has, in bytes; 0 where it does not tell.
+std::size_t machine_memory_bytes();
+
 }  // namespace meristem

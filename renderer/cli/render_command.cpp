@@ -125,11 +125,25 @@ class ImageRender {
   const RenderSettings& settings() const { return loaded_.scene->settings; }
 
   void check_settings() const {
-    if (options_.crop && options_.crop->intersected({0, 0, settings().width, settings().height}).empty())
+    const PixelWindow whole{0, 0, settings().width, settings().height},
+        window = options_.crop ? options_.crop->intersected(whole) : whole;
+    if (window.empty())
       throw UsageError(
           fmt::format("--crop lies outside the image of {} x {} pixels", settings().width, settings().height));
+    check_film_fits(window);
     if (options_.sample_range && settings().noise > 0)
       throw UsageError("--sample-range takes all samples of its range; it does not go together with noise");
+  }
+
+  static void check_film_fits(const PixelWindow& window) {
+    constexpr double gibibyte = 1 << 30;
+    const double film = double(window.width()) * double(window.height()) * double(Film::least_bytes_a_pixel),
+                 memory = double(machine_memory_bytes());
+    if (memory > 0 && film > memory)
+      throw UsageError(
+          fmt::format("an image of {} x {} pixels takes at least {:.3g} GiB while it is rendered, and this machine has "
+                      "{:.3g}; render it in parts with --crop",
+                      window.width(), window.height(), film / gibibyte, memory / gibibyte));
   }
 
   ProgressDisplay::Style style() const {

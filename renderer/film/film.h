@@ -5,7 +5,7 @@
 // samples the one with the smaller number wins. Only costs, which are measured, differ from run to run.
 //
 // Samples that are not finite, or brighter than ExactSum can hold (4e12), are dropped and counted. Different pixels may
-// be added to by different threads; everything else needs the threads to be joined. 64 bytes a pixel; AOVs take more:
+// be added to by different threads; everything else needs the threads to be joined. 64 bytes a pixel, AOVs take more:
 // variance 16, the second half 64, albedo and normal together 48, those of the nearest sample together 48, costs 16, a
 // matte at least 24.
 #pragma once
@@ -41,6 +41,8 @@ class Film {
  public:
   // `mean_weight` of the samples to come: FilterSampler::mean_weight(). `aovs` as in RenderSettings.
   Film(PixelWindow window, float mean_weight, std::vector<Aov> aovs = {});
+
+  static constexpr std::size_t least_bytes_a_pixel = 64;
 
   const PixelWindow& window() const { return window_; }
   float mean_weight() const { return mean_weight_; }

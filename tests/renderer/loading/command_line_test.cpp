@@ -105,6 +105,12 @@ TEST_F(WholeProgram, ChecksWithoutRendering) {
   EXPECT_EQ(folder_.files(), 1u);
 }
 
+TEST_F(WholeProgram, RefusesImagesThatNoMemoryHolds) {
+  EXPECT_EQ(run(branch_scene(), {"render", "a.jsonc", "--size", "65536x65536", "-o", "a.exr"}), 2);
+  EXPECT_NE(error_.find("takes at least 256 GiB"), std::string::npos) << error_;
+  EXPECT_NE(error_.find("--crop"), std::string::npos) << error_;
+}
+
 TEST_F(WholeProgram, ForetellsHowManyFacesModelsHave) {
   const std::string scene = R"json({ "format": 1, "models": {
     "cube": { "base": { "type": "box" }, "steps": [ { "subdivide": 2 } ] },
