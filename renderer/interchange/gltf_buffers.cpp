@@ -101,6 +101,10 @@ void GltfBuffers::read_glb(const std::string& path) {
 }
 
 void GltfBuffers::read_json(const std::string& path, std::string text) {
+  if (text.find_first_not_of(" \t\r\n") == text.npos) {
+    error({std::make_shared<SourceText>(SourceText{path, ""}), 0}, "the file is empty; expected glTF 2.0");
+    return;
+  }
   json_ = read_jsonc(std::make_shared<SourceText>(SourceText{path, std::move(text)}), diagnostics_);
   const Value* asset = json_.find("asset");
   const Value* version = asset ? asset->find("version") : nullptr;

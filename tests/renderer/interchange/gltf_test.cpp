@@ -160,6 +160,7 @@ TEST(Gltf, ErrorsSayWhere) {
     return messages.empty() ? std::string() : messages[0].substr(messages[0].find(' ') + 1);
   };
   EXPECT_EQ(first("\"2.0\"", "\"1.0\""), "the file is no glTF 2.0");
+  EXPECT_EQ(first(triangle, "\n"), "the file is empty; expected glTF 2.0");
   EXPECT_EQ(first("\"count\": 3", "\"count\": 4"), "4 items do not fit into 36 bytes");
   EXPECT_EQ(first("\"count\": 3", "\"count\": 9007199254740992"), "9007199254740992 items do not fit into 36 bytes");
   EXPECT_EQ(first("\"mesh\": 0", "\"mesh\": 1"), "there is no such item of \"meshes\"; there are 1, from 0 on");
