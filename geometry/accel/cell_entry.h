@@ -42,7 +42,8 @@ class CellEntry : public CacheEntry {
   const InnerCell* inner() const { return inner_.get(); }  // null: not split, or a grove
   const Grove* grove() const { return grove_ ? &*grove_ : nullptr; }
   std::size_t child_count() const { return child_count_; }
-  Instances* instances() const { return instances_.get(); }
+  const Instances* instances() const { return instances_.get(); }
+  Instances* instances() { return instances_.get(); }
   CacheSlot& slot(std::size_t child) { return slots_[child]; }
   bool has_proxies() const { return proxies_ != nullptr; }
   ProxyScene& proxies() { return *proxies_; }

@@ -347,45 +347,62 @@ Extent GrowStep::bound(const Extent& e) const {
   return after;
 }
 
+namespace {
+
+// How large what grows on a face may be, enlargements included (thinning.h): its own and those of faces before it.
+struct GrownSize {
+  Interval enlargement;
+  double enlarged_reach;  // as SymbolRange has it
+  double radius;          // of the face
+  double distance;        // of what grows, from the face
+  double edge;
+  double across = 0;  // of faces between the border and what is enlarged, as far apart as they may be, in units of
+                      // their enlargement
+
+  // `wanted`: what is enlarged as it thins is, with all that grows on it, no larger than so; 0: nothing thins.
+  GrownSize(const Reach& reach, const SymbolRange& parent, double wanted)
+      : enlargement(wanted > 0 ? Interval{float(smallest_enlargement), float(largest_enlargement)}
+                               : parent.enlargement),
+        enlarged_reach(std::max(parent.enlarged_reach, wanted)) {
+    const double largest = double(enlargement.upper), of_parent = double(parent.enlargement.upper);
+    const auto on_parent = [&](double length, double most) {
+      return std::min(length * of_parent, std::max(length, most));
+    };
+    radius = on_parent(double(parent.radius), 2 * parent.enlarged_reach);
+    distance = on_parent(reach.distance, parent.enlarged_reach);
+    edge = std::min(largest * reach.edge, std::max(reach.edge, 2 * enlarged_reach));
+    if (!(wanted > 0)) return;
+    // About a middle that may be as far away: (distance of the middle) + enlargement * (twice the distance)
+    distance += 2 * std::min(largest * reach.distance, wanted);
+    edge = std::max(edge, distance + radius);
+    across = reach.distance * (of_parent / smallest_enlargement + 2) + radius / smallest_enlargement;
+  }
+};
+
+}  // namespace
+
 void GrowStep::add_growth(const Production& p, const SymbolRange& parent, const Extent& before,
                           std::span<const IntervalValue> values, Extent& after) const {
   const std::vector<Bounds3d> template_values = p.template_bounds(values);
-  const bool may_thin = before.footprint > 0 && thinning(parent.symbol) > 0;
-  // What is enlarged as it thins is, with all that grows on it, no larger than so.
-  const double wanted = may_thin ? thinning(parent.symbol) * before.footprint : 0;
-  const Interval enlargement =
-      may_thin ? Interval{float(smallest_enlargement), float(largest_enlargement)} : parent.enlargement;
-  const double largest = double(enlargement.upper);
   const Reach reach = p.part().shape->bound({parent.radius, before.u, before.v, template_values});
+  const double pixels = thinning(parent.symbol);
+  const GrownSize grown(reach, parent, pixels > 0 ? pixels * before.footprint : 0);
   // Each coordinate is rounded by up to half a step, and computed with a relative error far below 1e-12 of the region's
   // size
-  // On faces that were enlarged before
-  const auto as_large = [&](double length, double most) {
-    return std::min(length * double(parent.enlargement.upper), std::max(length, most));
-  };
-  const double radius = as_large(double(parent.radius), 2 * parent.enlarged_reach);
-  // About a middle that may be as far away: (distance of the middle) + enlargement * (twice the distance)
-  const double distance =
-      as_large(reach.distance, parent.enlarged_reach) + (may_thin ? 2 * std::min(largest * reach.distance, wanted) : 0);
-  const double size = max_component(max(abs(before.box.lower), abs(before.box.upper))) + distance;
+  const double size = max_component(max(abs(before.box.lower), abs(before.box.upper))) + grown.distance;
   const double slack = 2 * quantum_.step() + 1e-12 * size;
-  after.box.extend(before.box.inflated(Vec3d(distance + slack)));
-  const double enlarged_reach = std::max(parent.enlarged_reach, wanted);
-  const double enlarged_edge = std::min(largest * reach.edge, std::max(reach.edge, 2 * enlarged_reach));
-  const double edge = std::max(enlarged_edge, may_thin ? distance + radius : 0);
-  after.edge = std::max(after.edge, edge + 2 * slack);
+  after.box.extend(before.box.inflated(Vec3d(grown.distance + slack)));
+  after.edge = std::max(after.edge, grown.edge + 2 * slack);
   after.forget_shape();
   after.u = hull(after.u, with_margin(reach.u));
   after.v = hull(after.v, with_margin(reach.v));
   for (std::size_t name = 0; name < reach.face_radius.size(); ++name) {
     const Successor& s = p.successor(int(name));
     if (!grows_later(s.symbol())) continue;
-    // Of faces between the border and what is enlarged, as far apart as they may be, in units of their enlargement
-    const double across = may_thin ? reach.distance * (double(parent.enlargement.upper) / smallest_enlargement + 2) +
-                                         radius / smallest_enlargement
-                                   : 0;
-    const double face_radius = std::max(reach.face_radius[name], across) + 2 * slack / double(enlargement.lower);
-    merge({s.symbol(), s.bounds(values), std::nextafterf(float(face_radius), INFINITY), enlargement, enlarged_reach},
+    const double face_radius =
+        std::max(reach.face_radius[name], grown.across) + 2 * slack / double(grown.enlargement.lower);
+    merge({s.symbol(), s.bounds(values), std::nextafterf(float(face_radius), INFINITY), grown.enlargement,
+           grown.enlarged_reach},
           after.symbols);
   }
 }

@@ -186,7 +186,7 @@ class CommandLine {
   }
 
   void add_check() {
-    CLI::App& command = *app_.add_subcommand("check", "load a scene and report its errors; renders nothing");
+    CLI::App& command = *app_.add_subcommand("check", "report the errors of a scene, and how large its models are");
     add_scene_argument(command, checked_scene_);
     command.final_callback([this] { exit_code_ = check_command(checked_scene_, load_); });
   }
@@ -223,7 +223,9 @@ class CommandLine {
 std::string shell_word(const std::string& word) {
   constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:=,+%@^";
   if (!word.empty() && word.find_first_not_of(plain) == word.npos) return word;
-  return fmt::format("'{}'", CLI::detail::find_and_replace(word, "'", "'\\''"));
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
 }
 
 int fail(ExitCode code, const std::string& message) {

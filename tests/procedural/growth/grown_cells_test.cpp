@@ -17,6 +17,21 @@ namespace {
 
 using test::Derivation;
 
+// The steps of a derivation, and so many levels of subdivision after them, with placement from the third on.
+std::vector<std::unique_ptr<Step>> refined(Derivation& d, int levels,
+                                           const decltype(SubdivideStep::Settings::place)& place = nullptr) {
+  std::vector<std::unique_ptr<Step>> steps;
+  for (auto& step : d.steps) steps.push_back(std::move(step));
+  for (int level = 1; level <= levels; ++level) {
+    SubdivideStep::Settings s;
+    if (level > 2) s.place = place;
+    s.level = level;
+    s.step_key = hash_keys(3, Key(level));
+    steps.push_back(std::make_unique<SubdivideStep>(s));
+  }
+  return steps;
+}
+
 // A shoot of segments that turn anyhow and fork, with spikes on its sides, smoothed and then displaced.
 std::shared_ptr<const Model> shrub(const CellSettings& settings, const std::string& thinning = "{}") {
   Derivation d(R"json({"type": "prism", "sides": 6, "radius": 0.1, "height": 0.3, "cap": "shoot(4)"})json",
@@ -28,17 +43,8 @@ std::shared_ptr<const Model> shrub(const CellSettings& settings, const std::stri
                                "bend_direction": "360*rand()", "faces": {"cap": "shoot(n)", "side": "thorn"}},
                    "thorn": {"if": "rand() < .3", "template": "spike", "length": "radius"}}})json"});
   EXPECT_TRUE(d.messages().empty());
-  std::vector<std::unique_ptr<Step>> steps;
-  for (auto& step : d.steps) steps.push_back(std::move(step));
   const auto place = Expression::compile("0.1*scale*N*snoise(9*P)", placement_symbols(), ValueType::Vector);
-  for (int level = 1; level <= 4; ++level) {
-    SubdivideStep::Settings s;
-    s.place = level > 2 ? place : nullptr;
-    s.level = level;
-    s.step_key = hash_keys(3, Key(level));
-    steps.push_back(std::make_unique<SubdivideStep>(s));
-  }
-  return std::make_shared<const Model>("shrub", d.base, std::move(steps), settings);
+  return std::make_shared<const Model>("shrub", d.base, refined(d, 4, place), settings);
 }
 
 using Point = std::array<float, 3>;
@@ -166,15 +172,7 @@ std::shared_ptr<const Model> lattice_of_buds(const CellSettings& settings) {
                            vertices, polygons, names),
                {R"({"grow": 1, "rules": {"bud": {"template": "spike", "length": 1}}})"});
   EXPECT_TRUE(d.messages().empty());
-  std::vector<std::unique_ptr<Step>> steps;
-  for (auto& step : d.steps) steps.push_back(std::move(step));
-  for (int level = 1; level <= 2; ++level) {
-    SubdivideStep::Settings s;
-    s.level = level;
-    s.step_key = hash_keys(3, Key(level));
-    steps.push_back(std::make_unique<SubdivideStep>(s));
-  }
-  return std::make_shared<const Model>("lattice", d.base, std::move(steps), settings);
+  return std::make_shared<const Model>("lattice", d.base, refined(d, 2), settings);
 }
 
 // All buds share neighbours with others, and are too many for a cell.
@@ -199,15 +197,7 @@ std::shared_ptr<const Model> sociable_tiles(const CellSettings& settings, const 
                     "height": "radius*(.1 + .1*min(neighbors, 4))", "taper": 0.8, "faces": {"top": "tile(neighbors)",
                     "front": "tile(neighbors)", "left": "tile(neighbors)"}}}})json"});
   EXPECT_TRUE(d.messages().empty());
-  std::vector<std::unique_ptr<Step>> steps;
-  for (auto& step : d.steps) steps.push_back(std::move(step));
-  for (int level = 1; level <= 2; ++level) {
-    SubdivideStep::Settings s;
-    s.level = level;
-    s.step_key = hash_keys(3, Key(level));
-    steps.push_back(std::make_unique<SubdivideStep>(s));
-  }
-  return std::make_shared<const Model>("tiles", d.base, std::move(steps), settings);
+  return std::make_shared<const Model>("tiles", d.base, refined(d, 2), settings);
 }
 
 TEST(GrownCells, CountNeighborsAlikeHoweverTheyAreCut) {
