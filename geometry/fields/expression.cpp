@@ -5,6 +5,8 @@
 #include "geometry/fields/parser.h"
 #include "geometry/fields/program.h"
 
+#include <optional>
+
 namespace meristem {
 
 int Symbols::add(std::string name, ValueType type, std::string doc) {
@@ -21,10 +23,18 @@ int Symbols::find(std::string_view name) const {
 
 namespace {
 
+bool has_inputs(const Graph& graph, NodeId result) {
+  for (NodeId i = 0; i <= result; ++i)
+    if (graph.node(i).op == Op::Input) return true;
+  return false;
+}
+
 class CompiledExpression final : public Expression {
  public:
   CompiledExpression(std::string_view text, ParsedExpression parsed)
-      : text_(text), graph_(std::move(parsed.graph)), result_(parsed.result), program_(graph_, result_) {}
+      : text_(text), graph_(std::move(parsed.graph)), result_(parsed.result), program_(graph_, result_) {
+    if (!has_inputs(graph_, result_)) fixed_bounds_ = bounds_of(graph_, result_, {});
+  }
 
   ValueType type() const override { return graph_.node(result_).type; }
   bool is_constant() const override { return graph_.is_constant(result_); }
@@ -39,7 +49,7 @@ class CompiledExpression final : public Expression {
     return program_.run_one(best_kernels(), values, key, salt);
   }
   IntervalValue evaluate_bounds(std::span<const IntervalValue> inputs) const override {
-    return bounds_of(graph_, result_, inputs);
+    return fixed_bounds_ ? *fixed_bounds_ : bounds_of(graph_, result_, inputs);
   }
 
  private:
@@ -47,6 +57,7 @@ class CompiledExpression final : public Expression {
   Graph graph_;
   NodeId result_;
   Program program_;
+  std::optional<IntervalValue> fixed_bounds_;  // where they do not depend on inputs
 };
 
 }  // namespace

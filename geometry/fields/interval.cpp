@@ -1,6 +1,7 @@
 #include "geometry/fields/interval.h"
 
 #include "geometry/base/check.h"
+#include "geometry/base/scratch.h"
 #include "geometry/fields/noise_bounds.h"
 #include "geometry/fields/range.h"
 
@@ -203,7 +204,11 @@ struct Bound {
   double length = infinity;
 };
 
-double box_length(const Box& b) { return std::hypot(b[0].magnitude(), b[1].magnitude(), b[2].magnitude()); }
+// Of floats, whose squares a double holds.
+double box_length(const Box& b) {
+  const double x = b[0].magnitude(), y = b[1].magnitude(), z = b[2].magnitude();
+  return std::sqrt(x * x + y * y + z * z);
+}
 
 // What an input may be: a finite number; a denormal one may act as 0.
 Range input_range(Interval i) {
@@ -221,7 +226,7 @@ Bound bound_of(const IntervalValue& v) {
 IntervalValue vector_value(Bound b) {
   const double length = std::min(b.length, box_length(b.box)) * (1 + 0x1p-20) + 4 * smallest;
   for (Range& r : b.box) r = clipped(r, rounded({-length, length}));
-  const float bound = length < largest ? std::nextafterf(float(length), INFINITY) : INFINITY;
+  const float bound = length < largest ? next_up(float(length)) : INFINITY;
   return {interval_of(b.box[0]), interval_of(b.box[1]), interval_of(b.box[2]), bound};
 }
 IntervalValue scalar_value(Range r) { return IntervalValue::scalar(float(r.lower), float(r.upper)); }
@@ -461,7 +466,7 @@ class Evaluation {
 
   const Graph& g_;
   std::span<const IntervalValue> inputs_;
-  std::vector<IntervalValue> values_;
+  Scratch<IntervalValue> values_;
 };
 
 }  // namespace

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace meristem::bounds {
@@ -30,16 +32,23 @@ inline Range clipped(Range r, double lower, double upper) {
 }
 inline Range clipped(Range r, Range to) { return clipped(r, to.lower, to.upper); }
 
+// The next float of one that is finite, upwards.
+inline float next_up(float f) {
+  if (f == 0) return std::numeric_limits<float>::denorm_min();
+  return std::bit_cast<float>(std::bit_cast<std::int32_t>(f) + (f > 0 ? 1 : -1));
+}
+inline float next_down(float f) { return -next_up(-f); }
+
 // The floats that an operation with this exact range may give: 4 ulps further, flushed denormals, saturated.
 inline Range rounded(Range r) {
   auto margin = [](double v) { return std::abs(v) * 0x1p-21 + 2 * smallest; };
   auto down = [](double v) {
     const float f = float(v);
-    return double(f) <= v ? f : std::nextafterf(f, -INFINITY);
+    return double(f) <= v ? f : next_down(f);
   };
   auto up = [](double v) {
     const float f = float(v);
-    return double(f) >= v ? f : std::nextafterf(f, INFINITY);
+    return double(f) >= v ? f : next_up(f);
   };
   return {down(std::clamp(r.lower - margin(r.lower), -largest, largest)),
           up(std::clamp(r.upper + margin(r.upper), -largest, largest))};
