@@ -3,7 +3,6 @@
 #include "geometry/accel/box_visitors.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace meristem {
@@ -19,42 +18,6 @@ void sort(FewBoxes::List& entered, std::size_t count) {
     entered[at] = next;
   }
 }
-
-// Makes a list of what a ray enters in a tree, whatever it would meet there.
-class ListedBoxes final : public BraidVisitor {
- public:
-  ListedBoxes(const TreeRay& ray, float t_min, float end, std::span<const Bounds3f> boxes, FewBoxes::List& list)
-      : BraidVisitor(end), ray_(ray), t_min_(t_min), boxes_(boxes), list_(list) {}
-
-  void enter(std::uint32_t box) override {
-    if (count_ < list_.size()) {
-      list_[count_++] = {entry(boxes_[box]), box};
-    } else {
-      overflows_ = true;
-      t_max = -std::numeric_limits<float>::infinity();
-    }
-  }
-  std::size_t count() const { return count_; }
-  bool overflows() const { return overflows_; }
-
- private:
-  float entry(const Bounds3f& box) const {
-    float t = t_min_;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto i = std::size_t(axis);
-      const float distance = (ray_.near_side[i] ? box.upper : box.lower)[axis] - ray_.origin[i];
-      t = std::max(t, distance * ray_.reciprocal[i] - std::abs(distance) * ray_.slack[i]);
-    }
-    return t;
-  }
-
-  const TreeRay& ray_;
-  const float t_min_;
-  const std::span<const Bounds3f> boxes_;
-  FewBoxes::List& list_;
-  std::size_t count_ = 0;
-  bool overflows_ = false;
-};
 
 }  // namespace
 
@@ -107,19 +70,9 @@ BoxScene::BoxScene(std::span<const Bounds3f> boxes, const BoxContents& contents)
 
 std::vector<Bounds3f> BoxScene::few_boxes() const { return few_ ? few_->boxes() : std::vector<Bounds3f>(); }
 
-std::optional<std::size_t> BoxScene::entered(const TreeRay& ray, float t_min, float t_max,
-                                             std::span<const Bounds3f> boxes, FewBoxes::List& list) const {
-  std::size_t count = 0;
-  if (few_) {
-    count = few_->meet(ray, t_min, t_max, list);
-  } else if (tree_ && !boxes.empty()) {
-    ListedBoxes listed(ray, t_min, t_max, boxes, list);
-    tree_->intersect(ray, t_min, listed);
-    if (listed.overflows()) return {};
-    count = listed.count();
-  } else {
-    return {};
-  }
+std::optional<std::size_t> BoxScene::entered(const TreeRay& ray, float t_min, float t_max, FewBoxes::List& list) const {
+  if (!few_) return {};
+  const std::size_t count = few_->meet(ray, t_min, t_max, list);
   sort(list, count);
   return count;
 }
@@ -131,7 +84,7 @@ void BoxScene::intersect(RayContext& context, RTCRayHit& ray) const {
   }
   if (scene_) return rtcIntersect1(scene_.get(), &context.embree, &ray);
   FewBoxes::List list;
-  const std::size_t count = *entered(*context.tree_ray, ray.ray.tnear, ray.ray.tfar, {}, list);
+  const std::size_t count = *entered(*context.tree_ray, ray.ray.tnear, ray.ray.tfar, list);
   for (std::size_t i = 0; i < count && list[i].t <= ray.ray.tfar; ++i)
     contents_.intersect(contents_.owner, list[i].box, context, ray);
 }

@@ -31,10 +31,8 @@ class BoxScene {
   // Through the boxes that the ray enters, up to a thousand in the order in which it does.
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
-  // Those that the ray enters, the nearest first. Nothing: they are more than a list holds, or Embree's. `boxes`: those
-  // of which the scene was made; if they are not few it needs them, and there is nothing without.
-  std::optional<std::size_t> entered(const TreeRay& ray, float t_min, float t_max, std::span<const Bounds3f> boxes,
-                                     FewBoxes::List& list) const;
+  // Those that the ray enters, the nearest first. Nothing: they are many.
+  std::optional<std::size_t> entered(const TreeRay& ray, float t_min, float t_max, FewBoxes::List& list) const;
   std::size_t bytes() const { return bytes_; }
   std::vector<Bounds3f> few_boxes() const;  // none if they are many
 

@@ -4,6 +4,20 @@
 
 namespace meristem {
 
+namespace {
+
+template <class T>
+std::vector<T> exact(std::vector<T>& list) {
+  list.shrink_to_fit();
+  return std::move(list);
+}
+
+}  // namespace
+
+void BraidedCells::Strands::add(const Instances& instances) {
+  for (std::uint32_t i = 0; i < instances.count(); ++i) placed.push_back({&instances, i});
+}
+
 class BraidedCells::Nearest final : public NearestInBoxes {
  public:
   Nearest(const BraidedCells& cells, const BoxContents& contents, RayContext& context, RTCRayHit& ray)
@@ -23,14 +37,16 @@ void BraidedCells::met(std::uint32_t tree, const TreeHit& hit, RayContext& conte
   take_hit(*surface.patch, surface.key, hit, context, ray);
 }
 
-void BraidedCells::intersect_other(std::uint32_t index, RayContext& context, RTCRayHit& ray) const {
-  const Other& other = others_[index];
-  other.contents.intersect(other.contents.owner, other.box, context, ray);
+void BraidedCells::intersect_other(std::uint32_t other, RayContext& context, RTCRayHit& ray) const {
+  if (other < placed_.size()) return placed_[other].all->intersect(placed_[other].index, context, ray);
+  const Missing& missing = missing_[other - placed_.size()];
+  missing.contents.intersect(missing.contents.owner, missing.box, context, ray);
 }
 
-void BraidedCells::occlude_other(std::uint32_t index, RayContext& context, RTCRay& ray) const {
-  const Other& other = others_[index];
-  other.contents.occluded(other.contents.owner, other.box, context, ray);
+void BraidedCells::occlude_other(std::uint32_t other, RayContext& context, RTCRay& ray) const {
+  if (other < placed_.size()) return placed_[other].all->occluded(placed_[other].index, context, ray);
+  const Missing& missing = missing_[other - placed_.size()];
+  missing.contents.occluded(missing.contents.owner, missing.box, context, ray);
 }
 
 void BraidedCells::intersect_box(void* self, std::uint32_t index, RayContext& context, RTCRayHit& ray) {
@@ -41,19 +57,23 @@ void BraidedCells::occlude_box(void* self, std::uint32_t index, RayContext& cont
   static_cast<const BraidedCells*>(self)->occlude_other(index, context, ray);
 }
 
-Braid BraidedCells::braid(const std::vector<Surface>& surfaces, const std::vector<Other>& others) {
+BraidedCells::BraidedCells(Strands strands)
+    : surfaces_(exact(strands.surfaces)),
+      placed_(exact(strands.placed)),
+      missing_(exact(strands.missing)),
+      contents_{this, intersect_box, occlude_box},
+      braid_(braid()) {}
+
+Braid BraidedCells::braid() const {
   std::vector<Braid::Tree> trees;
-  for (const Surface& s : surfaces) trees.push_back({&s.patch->tree(), s.patch->tessellation().positions.data()});
+  trees.reserve(surfaces_.size());
+  for (const Surface& s : surfaces_) trees.push_back({&s.patch->tree(), s.patch->tessellation().positions.data()});
   std::vector<Bounds3f> boxes;
-  for (const Other& o : others) boxes.push_back(o.bounds);
+  boxes.reserve(placed_.size() + missing_.size());
+  for (const Placed& p : placed_) boxes.push_back(p.all->instance(p.index).known_bounds());
+  for (const Missing& m : missing_) boxes.push_back(m.bounds);
   return {trees, boxes};
 }
-
-BraidedCells::BraidedCells(std::vector<Surface> surfaces, std::vector<Other> others)
-    : surfaces_(std::move(surfaces)),
-      others_(std::move(others)),
-      contents_{this, intersect_box, occlude_box},
-      braid_(braid(surfaces_, others_)) {}
 
 void BraidedCells::intersect(RayContext& context, RTCRayHit& ray) const {
   Nearest visitor(*this, contents_, context, ray);
@@ -66,7 +86,8 @@ void BraidedCells::occluded(RayContext& context, RTCRay& ray) const {
 }
 
 std::size_t BraidedCells::bytes() const {
-  return sizeof(*this) + braid_.bytes() + surfaces_.capacity() * sizeof(Surface) + others_.capacity() * sizeof(Other);
+  return sizeof(*this) + braid_.bytes() + surfaces_.capacity() * sizeof(Surface) + placed_.capacity() * sizeof(Placed) +
+         missing_.capacity() * sizeof(Missing);
 }
 
 }  // namespace meristem

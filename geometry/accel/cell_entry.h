@@ -39,6 +39,7 @@ class CellEntry : public CacheEntry {
 
   const LazyRoot& root() const { return *root_; }
   const SurfacePatch* patch() const { return patch_.get(); }
+  Key key() const { return key_; }                         // of a surface
   const InnerCell* inner() const { return inner_.get(); }  // null: not split, or a grove
   const Grove* grove() const { return grove_ ? &*grove_ : nullptr; }
   std::size_t child_count() const { return child_count_; }

@@ -11,30 +11,18 @@ namespace meristem {
 
 namespace {
 
-// What a braid is made of: the surfaces below a cell that is split, and what else stands in its children.
-struct Strands {
-  std::vector<BraidedCells::Surface> surfaces;
-  std::vector<BraidedCells::Other> others;
-  std::vector<const ModelRoot*>& roots;  // that stand in instances
-
-  void add(CellEntry& cell) {
-    for (std::uint32_t i = 0; i < cell.child_count(); ++i) {
-      CellEntry* const child = cell.root().found(cell.slot(i));
-      if (child && child->patch()) {
-        surfaces.push_back({child->patch(), cell.inner()->child_keys[i]});
-      } else if (child && child->has_proxies()) {
-        add(*child);
-      } else {
-        others.push_back({cell.proxies().bounds(i), cell.contents(), i});
-        if (child) add_roots(*child);
-      }
-    }
+// Calls ends(cell) for each resident cell from `cell` on that holds a surface or instances, and missing(parent, child)
+// for what is not resident.
+template <class Ends, class Missing>
+void for_each_end(CellEntry& cell, const Ends& ends, const Missing& missing) {
+  if (!cell.has_proxies()) return ends(cell);
+  for (std::uint32_t i = 0; i < cell.child_count(); ++i) {
+    if (CellEntry* const child = cell.root().found(cell.slot(i)))
+      for_each_end(*child, ends, missing);
+    else
+      missing(cell, i);
   }
-  void add_roots(const CellEntry& cell) {
-    const std::vector<const ModelRoot*> placed = cell.instances()->roots();
-    roots.insert(roots.end(), placed.begin(), placed.end());
-  }
-};
+}
 
 class ChainMeasure {
  public:
@@ -80,18 +68,42 @@ class ChainMeasure {
 
 }  // namespace
 
-std::size_t LazyRoot::braid(std::vector<const ModelRoot*>& below) const {
+void LazyRoot::add_placed(std::vector<const ModelRoot*>& roots) const {
   CellEntry* const cell = found(slot_);
-  if (!cell || cell->patch()) return 0;
-  Strands strands{{}, {}, below};
-  if (!cell->has_proxies()) {
-    strands.add_roots(*cell);
+  if (!cell) return;
+  const auto add = [&](const CellEntry& end) {
+    if (!end.instances()) return;
+    const std::vector<const ModelRoot*> placed = end.instances()->roots();
+    roots.insert(roots.end(), placed.begin(), placed.end());
+  };
+  for_each_end(*cell, add, [](const CellEntry&, std::uint32_t) {});
+}
+
+std::size_t LazyRoot::braid() const {
+  CellEntry* const cell = found(slot_);
+  if (!cell) return 0;
+  if (const SurfacePatch* const patch = cell->patch()) {
+    if (!patch->tree().nodes().empty()) lone_.emplace(*patch, cell->key());
     return 0;
   }
-  strands.add(*cell);
-  braided_ = std::make_unique<const BraidedCells>(std::move(strands.surfaces), std::move(strands.others));
+  BraidedCells::Strands strands;
+  const auto add = [&](const CellEntry& end) {
+    if (end.patch())
+      strands.surfaces.push_back({end.patch(), end.key()});
+    else
+      strands.add(*end.instances());
+  };
+  for_each_end(*cell, add, [&](CellEntry& parent, std::uint32_t child) {
+    strands.missing.push_back({parent.contents(), child, parent.proxies().bounds(child)});
+  });
+  braided_ = std::make_unique<const BraidedCells>(std::move(strands));
   known_bounds_ = braided_->bounds();
   return braided_->bytes();
+}
+
+const Passage* LazyRoot::passage() const {
+  if (lone_) return &*lone_;
+  return braided_ && !braided_->empty() ? braided_.get() : nullptr;
 }
 
 std::size_t largest_chain_bytes(const std::vector<const ModelRoot*>& roots) {

@@ -5,6 +5,7 @@
 // that of its class: what is near is seen as fine as the surface itself.
 #pragma once
 
+#include "geometry/accel/braided_cells.h"
 #include "geometry/accel/roots.h"
 #include "geometry/accel/surface.h"
 
@@ -12,19 +13,26 @@
 
 namespace meristem {
 
+// The objects as some classes of rays see them.
+struct ClassWorld {
+  std::shared_ptr<const Footprint> footprint;
+  std::unique_ptr<Instances> objects;
+  std::unique_ptr<const BraidedCells> braided;  // for rays in streams, where objects are more than a list holds
+};
+
 // The way of one ray through one world or two; calls as those of Instances.
 class RayRoute {
  public:
-  explicit RayRoute(const Instances& all) : near_(&all), far_(nullptr), split_(0) {}
+  explicit RayRoute(const ClassWorld& all) : near_(&all), far_(nullptr), split_(0) {}
   // Up to t = `split` through the first, from the next float on through the second.
-  RayRoute(const Instances& near, const Instances& far, float split) : near_(&near), far_(&far), split_(split) {}
+  RayRoute(const ClassWorld& near, const ClassWorld& far, float split) : near_(&near), far_(&far), split_(split) {}
 
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
   // As ModelRoot::follow(). Where there are two worlds the way begins with the number of one: 0 or 1.
   bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const;
-  // All that there is on the way; null: there are two worlds.
-  const Instances* only() const { return far_ ? nullptr : near_; }
+  // The same in steps, for a ray that has no hit yet: into one world after the other.
+  class Steps;
 
  private:
   template <class Trace>
@@ -32,9 +40,24 @@ class RayRoute {
   template <class Trace>
   void trace_far(RTCRay& ray, const Trace& trace) const;
 
-  const Instances* near_;
-  const Instances* far_;  // null: there is one world
+  const ClassWorld* near_;
+  const ClassWorld* far_;  // null: there is one
   float split_;
+};
+
+class RayRoute::Steps {
+ public:
+  explicit Steps(const RayRoute& route) : route_(route) {}
+  // The world that the ray goes through next, between its tnear and tfar; null: it has arrived. `has_met`: anything.
+  const ClassWorld* next(RTCRay& ray, bool has_met);
+  bool is_last() const { return !route_.far_ || step_ > 1; }
+  // The ray begins again where it began.
+  void end(RTCRay& ray) const { ray.tnear = begin_; }
+
+ private:
+  const RayRoute route_;
+  int step_ = 0;
+  float begin_ = 0, end_ = 0;  // of the ray
 };
 
 class ClassWorlds {
@@ -44,19 +67,17 @@ class ClassWorlds {
 
   RayRoute route(const Ray& ray) const;
   bool empty() const { return worlds_[0].objects->empty(); }
-  void tighten();                               // as Instances::tighten()
+  void tighten();  // as Instances::tighten()
+  void braid();    // objects, after their roots
+  void unbraid();
   Bounds3f bounds() const;                      // of all worlds
   std::vector<const ModelRoot*> roots() const;  // of all objects, of each world
   std::size_t bytes() const;
 
  private:
-  struct World {
-    std::shared_ptr<const Footprint> footprint;
-    std::unique_ptr<Instances> objects;
-  };
-  const World& world_of(RayClass c) const { return worlds_[worlds_of_[std::size_t(c)]]; }
+  const ClassWorld& world_of(RayClass c) const { return worlds_[worlds_of_[std::size_t(c)]]; }
 
-  std::vector<World> worlds_;                         // those that differ
+  std::vector<ClassWorld> worlds_;                    // those that differ
   std::array<std::size_t, ray_classes> worlds_of_{};  // their indices, by class
 };
 

@@ -8,11 +8,14 @@ namespace meristem {
 
 namespace {
 
-class FlatRoot final : public ModelRoot, public Passage {
+class FlatRoot final : public ModelRoot {
  public:
   // The bounds are those a lazy root has, so that whatever depends on the scene's size is the same in every mode.
   FlatRoot(Tessellation tessellation, const Model& model, const Bounds3f& bounds)
-      : ModelRoot(bounds), patch_(std::move(tessellation), true), key_(hash_text(model.name())) {}
+      : ModelRoot(bounds),
+        patch_(std::move(tessellation), true),
+        key_(hash_text(model.name())),
+        passage_(patch_, key_) {}
   void intersect(RayContext& context, RTCRayHit& ray) const override {
     intersect_patch(patch_, key_, context, ray.ray);
   }
@@ -25,24 +28,12 @@ class FlatRoot final : public ModelRoot, public Passage {
     return with_rounding_margin(known);
   }
 
-  const Passage* passage() const override { return patch_.tree().nodes().empty() ? nullptr : this; }
-  StreamRay::Leg leg() const override {
-    const SurfaceTree& tree = patch_.tree();
-    return {nullptr,
-            0,
-            {nullptr, nullptr},
-            {tree.nodes().data(), tree.triangles(), patch_.tessellation().positions.data(), 0, 0}};
-  }
-  void met(std::uint32_t, const TreeHit& hit, RayContext& context, RTCRay& ray) const override {
-    patch_.prefetch(hit);
-    take_hit(patch_, key_, hit, context, ray);
-  }
-  void intersect_other(std::uint32_t, RayContext&, RTCRayHit&) const override {}
-  void occlude_other(std::uint32_t, RayContext&, RTCRay&) const override {}
+  const Passage* passage() const override { return patch_.tree().nodes().empty() ? nullptr : &passage_; }
 
  private:
   SurfacePatch patch_;
   Key key_;
+  SurfacePassage passage_;
 };
 
 void append(Tessellation& all, const Tessellation& part) {

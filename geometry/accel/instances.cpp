@@ -125,12 +125,6 @@ Instances::Instances(std::vector<Instance> instances, std::span<const Bounds3f> 
   bytes_ += scene_->bytes();
 }
 
-Bounds3f Instances::known_bounds() const {
-  Bounds3f known;
-  for (const Instance& i : instances_) known.extend(i.known_bounds());
-  return known;
-}
-
 void Instances::tighten() {
   if (!scene_) return;
   std::vector<Bounds3f> boxes;
@@ -156,34 +150,37 @@ std::vector<const ModelRoot*> Instances::roots() const {
   return result;
 }
 
-void Instances::intersect_one(void* self, std::uint32_t index, RayContext& context, RTCRayHit& ray) {
+void Instances::intersect(std::uint32_t index, RayContext& context, RTCRayHit& ray) const {
   const WayStep step(context, index);
-  const auto& all = *static_cast<const Instances*>(self);
-  all.instances_[index].intersect(all.place_of(index), context, ray);
+  instances_[index].intersect(place_of(index), context, ray);
+}
+
+void Instances::occluded(std::uint32_t index, RayContext& context, RTCRay& ray) const {
+  const WayStep step(context, index);
+  instances_[index].occluded(context, ray);
+}
+
+void Instances::intersect_one(void* self, std::uint32_t index, RayContext& context, RTCRayHit& ray) {
+  static_cast<const Instances*>(self)->intersect(index, context, ray);
 }
 
 void Instances::occlude_one(void* self, std::uint32_t index, RayContext& context, RTCRay& ray) {
-  const WayStep step(context, index);
-  static_cast<const Instances*>(self)->instances_[index].occluded(context, ray);
+  static_cast<const Instances*>(self)->occluded(index, context, ray);
 }
 
 void Instances::intersect(RayContext& context, RTCRayHit& ray) const {
   if (scene_) return scene_->intersect(context, ray);
-  if (instances_.empty()) return;
-  const WayStep step(context, 0);
-  instances_[0].intersect(place_of(0), context, ray);
+  if (!instances_.empty()) intersect(0, context, ray);
 }
 
 void Instances::occluded(RayContext& context, RTCRay& ray) const {
   if (scene_) return scene_->occluded(context, ray);
-  if (instances_.empty()) return;
-  const WayStep step(context, 0);
-  instances_[0].occluded(context, ray);
+  if (!instances_.empty()) occluded(0, context, ray);
 }
 
 std::optional<std::size_t> Instances::entered(const TreeRay& ray, float t_min, float t_max,
                                               FewBoxes::List& list) const {
-  if (scene_) return scene_->entered(ray, t_min, t_max, tightened_, list);
+  if (scene_) return scene_->entered(ray, t_min, t_max, list);
   list[0] = {t_min, 0};
   return instances_.size();
 }

@@ -91,11 +91,14 @@ class Instances {
 
   void intersect(RayContext& context, RTCRayHit& ray) const;
   void occluded(RayContext& context, RTCRay& ray) const;
+  // One of them alone.
+  void intersect(std::uint32_t index, RayContext& context, RTCRayHit& ray) const;
+  void occluded(std::uint32_t index, RayContext& context, RTCRay& ray) const;
   // As ModelRoot::follow(); the way begins with the number of an instance.
   bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const;
-  // Those that the ray enters, the nearest first, if they are no more than a list holds and, unless there are no more
-  // in all, have been tightened; else nothing.
+  // Those that the ray enters, the nearest first; nothing if there are more than a list holds in all.
   std::optional<std::size_t> entered(const TreeRay& ray, float t_min, float t_max, FewBoxes::List& list) const;
+  std::uint32_t count() const { return std::uint32_t(instances_.size()); }
   const Instance& instance(std::uint32_t index) const { return instances_[index]; }
   Instance::Place place_of(std::uint32_t index) const {
     return {Key(first_) + index + 1, are_objects_ ? int(index) : -1};
@@ -105,8 +108,6 @@ class Instances {
   // Makes the boxes as close as the roots are known by now: those of whole models are wide until they have been
   // expanded. While nothing is traced; call inside run_isolated().
   void tighten();
-  // Of all, by what is known now.
-  Bounds3f known_bounds() const;
   std::vector<Bounds3f> few_boxes() const;  // of each, if they are few
   bool empty() const { return instances_.empty(); }
   std::vector<const ModelRoot*> roots() const;  // of all, at all moments

@@ -167,13 +167,6 @@ CellEntry* LazyRoot::root(const RayUse& use) const {
 // With a margin, as those of cells: hits may lie a little beyond. What was known once holds for good.
 Bounds3f LazyRoot::known_bounds() const { return known_bounds_ ? with_rounding_margin(*known_bounds_) : bounds(); }
 
-void LazyRoot::tighten() const {
-  CellEntry* const cell = found(slot_);
-  if (!cell || !cell->instances()) return;
-  cell->instances()->tighten();
-  known_bounds_ = cell->instances()->known_bounds();
-}
-
 CellEntry* LazyRoot::child(CellEntry& parent, std::size_t index, const RayUse& use) const {
   return static_cast<CellEntry*>(cache_.acquire(parent.slot(index), &parent, use, [this, &parent, index] {
     std::unique_ptr<CacheEntry> entry = make_child_entry(parent, index);

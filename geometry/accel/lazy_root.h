@@ -14,10 +14,10 @@ class LazyRoot final : public ModelRoot {
   void intersect(RayContext& context, RTCRayHit& ray) const override;
   void occluded(RayContext& context, RTCRay& ray) const override;
   bool follow(CellList::Way way, RayContext& context, RTCRayHit& ray) const override;
-  const Passage* passage() const override { return braided_ && !braided_->empty() ? braided_.get() : nullptr; }
-  std::size_t braid(std::vector<const ModelRoot*>& below) const override;
-  void unbraid() const override { braided_.reset(); }
-  void tighten() const override;
+  const Passage* passage() const override;
+  void add_placed(std::vector<const ModelRoot*>& roots) const override;
+  std::size_t braid() const override;
+  void unbraid() const override { braided_.reset(), lone_.reset(); }
   Bounds3f known_bounds() const override;
   std::size_t bytes() const override { return sizeof(*this); }
   const Part* part() const { return source_.part.get(); }
@@ -81,6 +81,7 @@ class LazyRoot final : public ModelRoot {
   mutable CacheSlot slot_;
   mutable std::optional<Bounds3f> known_bounds_;         // once it has been expanded; closer once braided
   mutable std::unique_ptr<const BraidedCells> braided_;  // null: rays go through the cells
+  mutable std::optional<const SurfacePassage> lone_;     // its one cell, while others would be braided
 };
 
 }  // namespace meristem

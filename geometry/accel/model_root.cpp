@@ -52,6 +52,19 @@ bool take_hit(const SurfacePatch& patch, Key key, const TreeHit& hit, RayContext
   return true;
 }
 
+StreamRay::Leg SurfacePassage::leg() const {
+  const SurfaceTree& tree = patch_.tree();
+  return {nullptr,
+          0,
+          {nullptr, nullptr},
+          {tree.nodes().data(), tree.triangles(), patch_.tessellation().positions.data(), 0, 0}};
+}
+
+void SurfacePassage::met(std::uint32_t, const TreeHit& hit, RayContext& context, RTCRay& ray) const {
+  patch_.prefetch(hit);
+  take_hit(patch_, key_, hit, context, ray);
+}
+
 void occlude_with_patch(const SurfacePatch& patch, const RayContext& context, RTCRay& ray) {
   if (patch.occluded(*context.tree_ray, ray.tnear, ray.tfar)) ray.tfar = -std::numeric_limits<float>::infinity();
 }

@@ -67,6 +67,8 @@ class WayStep {
   RayContext::Search* const search_;
 };
 
+class Instances;
+
 // What rays of a stream can go through together. Immutable.
 class Passage {
  public:
@@ -77,6 +79,30 @@ class Passage {
   virtual void met(std::uint32_t tree, const TreeHit& hit, RayContext& context, RTCRay& ray) const = 0;
   virtual void intersect_other(std::uint32_t other, RayContext& context, RTCRayHit& ray) const = 0;
   virtual void occlude_other(std::uint32_t other, RayContext& context, RTCRay& ray) const = 0;
+  // If that is an instance, which; null: it is none.
+  struct Placed {
+    const Instances* all;
+    std::uint32_t index;
+  };
+  virtual Placed placed(std::uint32_t other) const {
+    (void)other;
+    return {nullptr, 0};
+  }
+};
+
+// Through one surface.
+class SurfacePassage final : public Passage {
+ public:
+  // `key`: of its cell. The patch must outlive it.
+  SurfacePassage(const SurfacePatch& patch, Key key) : patch_(patch), key_(key) {}
+  StreamRay::Leg leg() const override;
+  void met(std::uint32_t tree, const TreeHit& hit, RayContext& context, RTCRay& ray) const override;
+  void intersect_other(std::uint32_t, RayContext&, RTCRayHit&) const override {}  // there are none
+  void occlude_other(std::uint32_t, RayContext&, RTCRay&) const override {}
+
+ private:
+  const SurfacePatch& patch_;
+  const Key key_;
 };
 
 class ModelRoot {
@@ -92,15 +118,13 @@ class ModelRoot {
     (void)way, (void)context, (void)ray;
     return true;
   }
+  // Adds the roots of what is placed in its resident cells.
+  virtual void add_placed(std::vector<const ModelRoot*>& roots) const { (void)roots; }
   // Between two passes, while nothing is traced: rays go through what is resident below faster from now on, which must
-  // stay so until unbraid(). Adds the roots that stand in it; returns the bytes it costs.
-  virtual std::size_t braid(std::vector<const ModelRoot*>& below) const {
-    (void)below;
-    return 0;
-  }
+  // stay so until unbraid(). After the roots placed in it, as their boxes become closer by that. Returns the bytes it
+  // costs.
+  virtual std::size_t braid() const { return 0; }
   virtual void unbraid() const {}
-  // As Instances::tighten(), of what stands in a root that is a group: after all below have been braided and tightened.
-  virtual void tighten() const {}
   const Bounds3f& bounds() const { return bounds_; }
   // Within them, what it holds or may come to hold by all that is known of it now. While nothing is traced.
   virtual Bounds3f known_bounds() const { return bounds_; }

@@ -86,15 +86,28 @@ void StreamedRays::Traveller::begin(RayQuery& query, StreamedRays& rays) {
   // What is resident may be in the way, and spare what is not its expansion.
   context.only_resident = any;
   route_ = rays.worlds_.route(*query.ray);
-  const RTCRay& ray = tracing_->query.ray;
-  objects_ = context.visits ? nullptr : route_->only();
+  steps_.reset();
+  if (!context.visits) steps_.emplace(*route_);
   at_ = count_ = 0;
-  if (!objects_) return;
-  const auto few = objects_->entered(*context.tree_ray, ray.tnear, ray.tfar, entered_);
-  if (few)
-    count_ = *few;
+}
+
+// Finds a leg through all objects of the next world, or lists those that may be entered, or goes through it alone.
+bool StreamedRays::Traveller::enter_world(Leg& leg) {
+  RayContext& context = tracing_->context;
+  RTCRay& ray = tracing_->query.ray;
+  if (steps_->is_last()) {
+    if (world_->braided) return find_leg(*world_->braided, visited_[0], leg);
+    if (const auto few = world_->objects->entered(*context.tree_ray, ray.tnear, ray.tfar, entered_)) {
+      count_ = *few;
+      return false;
+    }
+  }
+  const Aside aside(*rays_, *query_, context.use);
+  if (any)
+    world_->objects->occluded(context, ray);
   else
-    objects_ = nullptr;
+    world_->objects->intersect(context, tracing_->query);
+  return false;
 }
 
 void StreamedRays::Traveller::go_alone() {
@@ -116,52 +129,84 @@ void StreamedRays::Traveller::go_alone_into(Instance::Visit& visit) {
 }
 
 bool StreamedRays::Traveller::next(Leg& leg) {
-  visit_.reset();
-  if (!objects_) {
+  visited_[0].visit.reset();
+  if (!steps_) {
     if (at_++ == 0) go_alone();
     return false;
   }
-  RayContext& context = tracing_->context;
-  while (!has_ended() && at_ < count_ && entered_[at_].t <= tracing_->query.ray.tfar) {
-    const std::uint32_t index = entered_[at_++].box;
-    visit_.emplace(objects_->instance(index), objects_->place_of(index), context, tracing_->query);
-    if ((passage_ = visit_->root().passage())) {
-      const RTCRay& ray = visit_->ray().ray;
-      leg = passage_->leg();
-      leg.ray = context.tree_ray;
-      leg.t_min = ray.tnear;
-      t_max = ray.tfar;
-      return true;
-    }
-    go_alone_into(*visit_);
-    visit_.reset();
+  for (;;) {
+    while (!has_ended() && at_ < count_ && entered_[at_].t <= tracing_->query.ray.tfar)
+      if (visit(*world_->objects, entered_[at_++].box, tracing_->query, visited_[0], leg)) return true;
+    at_ = count_ = 0;
+    if (!(world_ = steps_->next(tracing_->query.ray, has_met()))) return false;
+    if (enter_world(leg)) return true;
   }
+}
+
+// Finds a leg in an instance, or goes through it alone: then false.
+bool StreamedRays::Traveller::visit(const Instances& all, std::uint32_t index, RTCRayHit& outside, Visited& visited,
+                                    Leg& leg) {
+  visited.visit.emplace(all.instance(index), all.place_of(index), tracing_->context, outside);
+  if (const Passage* const passage = visited.visit->root().passage()) return find_leg(*passage, visited, leg);
+  go_alone_into(*visited.visit);
+  visited.visit.reset();
   return false;
 }
 
-void StreamedRays::Traveller::met(std::uint32_t tree, const TreeHit& hit) {
-  RTCRay& ray = visit_->ray().ray;
-  if (any)
-    ray.tfar = -std::numeric_limits<float>::infinity();
-  else
-    passage_->met(tree, hit, tracing_->context, ray);
+bool StreamedRays::Traveller::find_leg(const Passage& passage, Visited& visited, Leg& leg) {
+  const RTCRay& ray = visited.visit ? visited.visit->ray().ray : tracing_->query.ray;
+  visited.passage = &passage;
+  leg = passage.leg();
+  leg.ray = tracing_->context.tree_ray;
+  leg.t_min = ray.tnear;
   t_max = ray.tfar;
+  return true;
+}
+
+void StreamedRays::Traveller::met(std::uint32_t tree, const TreeHit& hit) {
+  if (any)
+    ray().tfar = -std::numeric_limits<float>::infinity();
+  else
+    visited_[nested_].passage->met(tree, hit, tracing_->context, ray());
+  t_max = ray().tfar;
 }
 
 void StreamedRays::Traveller::enter(std::uint32_t other) {
   RayContext& context = tracing_->context;
   const Aside aside(*rays_, *query_, context.use);
+  Visited& here = visited_[nested_];
   if (any)
-    passage_->occlude_other(other, context, visit_->ray().ray);
+    here.passage->occlude_other(other, context, query().ray);
   else
-    passage_->intersect_other(other, context, visit_->ray());
-  t_max = visit_->ray().ray.tfar;
+    here.passage->intersect_other(other, context, query());
+  t_max = ray().tfar;
+}
+
+bool StreamedRays::Traveller::enter(std::uint32_t other, Leg& inside) {
+  Visited& here = visited_[nested_];
+  const Passage::Placed placed = here.passage->placed(other);
+  if (!placed.all) {
+    enter(other);
+    return false;
+  }
+  if (visit(*placed.all, placed.index, query(), visited_[nested_ + 1], inside)) {
+    ++nested_;
+    return true;
+  }
+  t_max = ray().tfar;
+  return false;
+}
+
+void StreamedRays::Traveller::leave() {
+  visited_[nested_--].visit.reset();
+  t_max = ray().tfar;
 }
 
 // The answer of the ray that had the lane, if there was one.
 void StreamedRays::Traveller::end() {
   if (!tracing_) return;
   RayContext& context = tracing_->context;
+  if (steps_) steps_->end(tracing_->query.ray);
   if (any) {
     if (!has_ended() && context.has_passed_by) {
       context.only_resident = false;

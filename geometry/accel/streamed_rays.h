@@ -36,23 +36,39 @@ class StreamedRays final : public RayStream {
     bool next(Leg& leg) override;
     void met(std::uint32_t tree, const TreeHit& hit) override;
     void enter(std::uint32_t other) override;
+    bool enter(std::uint32_t other, Leg& inside) override;
+    void leave() override;
 
     CacheEntry* nearest() const { return tracing_ ? tracing_->context.use.nearest : nullptr; }
 
    private:
+    struct Visited {
+      std::optional<Instance::Visit> visit;  // none: of the world
+      const Passage* passage = nullptr;
+    };
+    bool has_met() const { return any ? has_ended() : tracing_->context.has_hit; }
     bool has_ended() const { return any && tracing_->query.ray.tfar < 0; }
+    bool visit(const Instances& all, std::uint32_t index, RTCRayHit& outside, Visited& visited, Leg& leg);
+    bool enter_world(Leg& leg);
+    bool find_leg(const Passage& passage, Visited& visited, Leg& leg);
     void go_alone();
     void go_alone_into(Instance::Visit& visit);
+    RTCRayHit& query() {  // in the frame in which it is
+      Visited& here = visited_[nested_];
+      return here.visit ? here.visit->ray() : tracing_->query;
+    }
+    RTCRay& ray() { return query().ray; }
 
     StreamedRays* rays_ = nullptr;
     RayQuery* query_ = nullptr;
     std::optional<Tracing> tracing_;
     std::optional<RayRoute> route_;
-    const Instances* objects_ = nullptr;
+    std::optional<RayRoute::Steps> steps_;  // none: it goes alone
+    const ClassWorld* world_ = nullptr;     // in which it is
     FewBoxes::List entered_;
-    std::size_t count_ = 0, at_ = 0;  // of these
-    std::optional<Instance::Visit> visit_;
-    const Passage* passage_ = nullptr;
+    std::size_t count_ = 0, at_ = 0;                // of these
+    std::array<Visited, 1 + most_nested> visited_;  // an object, and instances one in the other
+    std::size_t nested_ = 0;                        // so many instances
   };
 
   StreamRay* next(int lane) override;

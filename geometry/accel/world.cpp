@@ -12,8 +12,7 @@
 #include <atomic>
 #include <limits>
 #include <new>
-#include <ranges>
-#include <set>
+#include <unordered_set>
 
 namespace meristem {
 
@@ -192,19 +191,26 @@ class World final : public Intersector {
   }
 
   void braid() {
-    std::vector<const ModelRoot*> roots = worlds_->roots();
-    std::set<const ModelRoot*> seen;
-    for (std::size_t i = 0; i < roots.size(); ++i)
-      if (const ModelRoot* const root = roots[i]; seen.insert(root).second) {
-        braided_.push_back(root);
-        braid_bytes_ += root->braid(roots);
-        has_passages_ = has_passages_ || root->passage();
-      }
-    // Groups after their members
-    run_isolated([&] { std::ranges::for_each(braided_ | std::views::reverse, &ModelRoot::tighten); });
+    std::unordered_set<const ModelRoot*> seen;
+    braid(worlds_->roots(), seen);
+    worlds_->braid();
+  }
+
+  // What is placed in a root before the root.
+  void braid(const std::vector<const ModelRoot*>& roots, std::unordered_set<const ModelRoot*>& seen) {
+    for (const ModelRoot* root : roots) {
+      if (!seen.insert(root).second) continue;
+      std::vector<const ModelRoot*> placed;
+      root->add_placed(placed);
+      braid(placed, seen);
+      braided_.push_back(root);
+      braid_bytes_ += root->braid();
+      has_passages_ = has_passages_ || root->passage();
+    }
   }
 
   void unbraid() {
+    worlds_->unbraid();
     for (const ModelRoot* root : braided_) root->unbraid();
     braided_.clear();
     braid_bytes_ = 0;

@@ -25,26 +25,31 @@ Bounds3f bounded(Bounds3f b) {
   return b;
 }
 
-// What is sorted: the strands as they come, with their boxes as items.
-class Strands {
+// What is sorted: strands and others, with their boxes as items.
+class Ends {
  public:
-  Strands(std::span<const Braid::Tree> trees, std::span<const Bounds3f> others) {
+  Ends(std::span<const Braid::Tree> trees, std::span<const Bounds3f> others) {
+    items_.reserve(trees.size() + others.size());
     for (std::uint32_t i = 0; i < trees.size(); ++i)
-      for (const SurfaceTree::Part& part : trees[i].tree->parts(most_strands_of_tree))
-        add(part.box, {trees[i].tree->nodes().data(), trees[i].tree->triangles(), trees[i].positions, part.start, i});
+      for (const SurfaceTree::Part& part : trees[i].tree->parts(most_strands_of_tree)) {
+        add(part.box, std::uint32_t(strands_.size()), Braid::is_strand);
+        strands_.push_back(
+            {trees[i].tree->nodes().data(), trees[i].tree->triangles(), trees[i].positions, part.start, i});
+      }
     for (std::uint32_t i = 0; i < others.size(); ++i)
-      if (!others[i].empty()) add(bounded(others[i]), {nullptr, nullptr, nullptr, 0, i});
+      if (!others[i].empty()) add(bounded(others[i]), i, Braid::is_other);
   }
 
   std::span<Item> items() { return items_; }
   const Bounds3f& bounds() const { return bounds_; }
-  const Braid::Strand& of(const Item& item) const { return strands_[item.source.first]; }
+  static std::uint8_t shape_of(const Item& item) { return std::uint8_t(item.source.grid); }
+  const Braid::Strand& strand_of(const Item& item) const { return strands_[item.source.first]; }
+  std::size_t strand_count() const { return strands_.size(); }
 
  private:
-  void add(const Bounds3f& b, const Braid::Strand& strand) {
+  void add(const Bounds3f& b, std::uint32_t number, std::uint8_t shape) {
     const Box box{_mm_setr_ps(b.lower.x, b.lower.y, b.lower.z, 0), _mm_setr_ps(b.upper.x, b.upper.y, b.upper.z, 0)};
-    items_.push_back({box, {std::uint32_t(strands_.size()), 0, 1, 1, SurfaceTree::none}});
-    strands_.push_back(strand);
+    items_.push_back({box, {number, 0, 1, 1, shape}});
     bounds_.extend(b);
   }
 
@@ -55,7 +60,7 @@ class Strands {
 
 // Nodes and strands in the order in which rays come to them.
 struct Builder {
-  const Strands& from;
+  const Ends& from;
   std::vector<SurfaceTree::Node> nodes;
   std::vector<Braid::Strand> strands;
 
@@ -66,12 +71,10 @@ struct Builder {
     const std::size_t first_node = nodes.size();
     std::size_t inner = 0;
     for (const Range& child : std::span(children).first(count)) {
-      if (child.items.size() > 1) {
+      if (child.items.size() > 1)
         writer.add_node(child.extent.box, first_node + inner++);
-      } else {
-        writer.add(child.extent.box, std::uint32_t(strands.size()), 0, 1);
-        strands.push_back(from.of(child.items[0]));
-      }
+      else
+        add_end(child, writer);
     }
     nodes[index] = writer.node();
     nodes.resize(first_node + inner);
@@ -79,18 +82,29 @@ struct Builder {
     for (const Range& child : std::span(children).first(count))
       if (child.items.size() > 1) make_node(next++, child, level + 1);
   }
+
+ private:
+  void add_end(const Range& end, tree::NodeWriter& writer) {
+    const Item& item = end.items[0];
+    if (Ends::shape_of(item) == Braid::is_other)
+      return writer.add(end.extent.box, item.source.first, 0, Braid::is_other);
+    writer.add(end.extent.box, std::uint32_t(strands.size()), 0, Braid::is_strand);
+    strands.push_back(from.strand_of(item));
+  }
 };
 
 }  // namespace
 
 Braid::Braid(std::span<const Tree> trees, std::span<const Bounds3f> others) {
-  Strands strands(trees, others);
-  bounds_ = strands.bounds();
-  if (strands.items().empty()) return;
-  Builder builder{strands, std::vector<SurfaceTree::Node>(1), {}};
-  builder.make_node(0, {strands.items(), tree::extent_of(strands.items())}, 0);
+  Ends ends(trees, others);
+  bounds_ = ends.bounds();
+  if (ends.items().empty()) return;
+  Builder builder{ends, std::vector<SurfaceTree::Node>(1), {}};
+  builder.nodes.reserve(ends.items().size() / 4 + 1);
+  builder.strands.reserve(ends.strand_count());
+  builder.make_node(0, {ends.items(), tree::extent_of(ends.items())}, 0);
   nodes_.assign(builder.nodes.begin(), builder.nodes.end());
-  strands_.assign(builder.strands.begin(), builder.strands.end());
+  strands_ = std::move(builder.strands);
 }
 
 void Braid::intersect(const TreeRay& ray, float t_min, BraidVisitor& visitor) const {

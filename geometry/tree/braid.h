@@ -38,7 +38,7 @@ class Braid {
     const Vec3f* positions;  // as for SurfaceTree::intersect()
   };
   // Trees that outlive it, and boxes of anything else; by their places in these lists a visitor is told of them. Some
-  // 0.2 us a strand.
+  // 0.2 us a strand or box.
   Braid(std::span<const Tree> trees, std::span<const Bounds3f> others);
 
   // Trees and boxes are met in the order of the ray as far as boxes tell; nothing behind t_max.
@@ -51,16 +51,18 @@ class Braid {
     return nodes_.capacity() * sizeof(SurfaceTree::Node) + strands_.capacity() * sizeof(Strand);
   }
 
-  // What stands at the ends of the nodes.
+  // A part of a tree, at an end of the nodes.
   struct alignas(32) Strand {
-    const SurfaceTree::Node* nodes;  // null: of no tree
+    const SurfaceTree::Node* nodes;
     const std::array<std::uint32_t, 3>* triangles;
     const Vec3f* positions;
     std::uint32_t start;  // as SurfaceTree::Part has it
-    std::uint32_t owner;  // a tree or one of the others
+    std::uint32_t owner;  // its tree
   };
+  // Shapes of the children of nodes: what `first` is the number of.
+  static constexpr std::uint8_t is_node = 0, is_strand = 1, is_other = 2;
   struct View {
-    const SurfaceTree::Node* nodes;  // a child of shape 0 is a node, of shape 1 a strand
+    const SurfaceTree::Node* nodes;
     const Strand* strands;
   };
   View view() const { return {nodes_.empty() ? nullptr : nodes_.data(), strands_.data()}; }  // nothing: no nodes

@@ -15,6 +15,15 @@ bool go_together(const StreamRay::Leg& a, const StreamRay::Leg& b) {
 
 }  // namespace
 
+std::size_t gather_alike(StreamRay** rays, StreamRay::Leg* legs, std::size_t count) {
+  for (std::size_t i = 1; i < count;)
+    if (go_together(legs[0], legs[i]))
+      ++i;
+    else
+      --count, std::swap(legs[i], legs[count]), std::swap(rays[i], rays[count]);
+  return count;
+}
+
 void RayPacket::run() {
   std::array<StreamRay::Leg, most> legs;
   for (std::size_t done = count_;;) {  // so many of the first have no leg
@@ -23,12 +32,7 @@ void RayPacket::run() {
       if (i >= done || rays_[i]->next(legs[i])) rays_[left] = rays_[i], legs[left++] = legs[i];
     count_ = left;
     if (count_ == 0) return;
-    done = count_;
-    for (std::size_t i = 1; i < done;)
-      if (go_together(legs[0], legs[i]))
-        ++i;
-      else
-        --done, std::swap(legs[i], legs[done]), std::swap(rays_[i], rays_[done]);
+    done = gather_alike(rays_.data(), legs.data(), count_);
     best_tree_kernels().run_packet(rays_.data(), legs.data(), done);
   }
 }

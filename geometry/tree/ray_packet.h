@@ -13,13 +13,17 @@
 
 namespace meristem {
 
+// Of `count` rays and their legs, brings those to the front whose legs lead through the same nodes in the same
+// direction as the first one's; returns how many.
+std::size_t gather_alike(StreamRay** rays, StreamRay::Leg* legs, std::size_t count);
+
 class RayPacket {
  public:
   static constexpr std::size_t most = 8;
 
   // A ray before it has asked for its first leg, which lives until run() has returned; at most `most`.
   void add(StreamRay& ray) { rays_[count_++] = &ray; }
-  // Until all have arrived. Legs that lead through the same nodes, in the same direction, are gone together.
+  // Until all have arrived. Legs that are alike are gone together.
   void run();
 
  private:

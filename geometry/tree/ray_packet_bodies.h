@@ -9,6 +9,9 @@
 namespace meristem {
 namespace {
 
+// Fewer go into another braid or tree one by one: a packet costs what a few rays do.
+constexpr int least_together = 3;
+
 // A number of each ray.
 struct alignas(32) EachRay {
   float of[RayPacket::most];
@@ -18,7 +21,8 @@ struct alignas(32) EachRay {
 
 class Packet {
  public:
-  Packet(StreamRay* const* rays, const StreamRay::Leg* legs, std::size_t count);
+  // `nested`: of how many others it is inside.
+  Packet(StreamRay* const* rays, const StreamRay::Leg* legs, std::size_t count, std::size_t nested = 0);
   void run();
 
  private:
@@ -33,7 +37,8 @@ class Packet {
   template <class Of>
   void add_children(const Of& of, std::uint32_t index);
   void enter_tree(const Braid::Strand& strand);
-  void enter_other(const Braid::Strand& strand, const SurfaceTree::Node& node, std::uint32_t place);
+  void enter_other(const SurfaceTree::Node& node, std::uint32_t place);
+  void enter_together(std::uint32_t other, unsigned which);
   void meet_block(const TreeView& tree, std::uint32_t block);
   void meet_triangle(const TreeView& tree, const Sheared& a, const Sheared& b, const Sheared& c,
                      std::uint32_t triangle);
@@ -42,7 +47,7 @@ class Packet {
 
   StreamRay* const* const rays_;
   const StreamRay::Leg* const legs_;
-  const std::size_t count_;
+  const std::size_t count_, nested_;
   const TreeRay& like_;  // in signs and axis all are as this one
   EachRay origin_[3], reciprocal_[3], slack_[3], shear_x_, shear_y_, shear_z_, t_min_;
   EachRay t_max_;  // less than 0: it needs nothing more
@@ -52,8 +57,8 @@ class Packet {
   Entry stack_[2 * SurfaceTree::most_waiting];
 };
 
-Packet::Packet(StreamRay* const* rays, const StreamRay::Leg* legs, std::size_t count)
-    : rays_(rays), legs_(legs), count_(count), like_(*legs[0].ray) {
+Packet::Packet(StreamRay* const* rays, const StreamRay::Leg* legs, std::size_t count, std::size_t nested)
+    : rays_(rays), legs_(legs), count_(count), nested_(nested), like_(*legs[0].ray) {
   for (std::size_t i = 0; i < RayPacket::most; ++i) {
     const bool exists = i < count;
     const StreamRay::Leg& leg = legs[exists ? i : 0];
@@ -75,11 +80,10 @@ void Packet::run() {
   const OfBraid of{legs_[0].braid};
   if (!of.braid.nodes) return enter_tree(legs_[0].tree);
   go_through(of, 0, [&](std::uint32_t end) {
-    const Braid::Strand& strand = of.strand(end);
-    if (strand.nodes)
-      enter_tree(strand);
+    if (of.is_strand(end))
+      enter_tree(of.strand(end));
     else
-      enter_other(strand, of.node(end / 8), end % 8);
+      enter_other(of.node(end / 8), end % 8);
   });
 }
 
@@ -146,14 +150,36 @@ void Packet::enter_tree(const Braid::Strand& strand) {
 }
 
 // Only those rays do that meet its box: what is in it may have to be expanded.
-void Packet::enter_other(const Braid::Strand& strand, const SurfaceTree::Node& node, std::uint32_t place) {
+void Packet::enter_other(const SurfaceTree::Node& node, std::uint32_t place) {
+  const std::uint32_t other = node.first[place];
+  unsigned which = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     const Children boxes = meet_children(node, *legs_[i].ray, splat(legs_[i].t_min), t_max_.of[i]);
-    if (!(boxes.of(node) >> place & 1)) continue;
-    rays_[i]->enter(strand.owner);
-    t_max_.of[i] = rays_[i]->t_max;
+    which |= (boxes.of(node) >> place & 1) << i;
   }
+  if (nested_ < StreamRay::most_nested && std::popcount(which) >= least_together)
+    enter_together(other, which);
+  else
+    for (; which; which &= which - 1) rays_[std::countr_zero(which)]->enter(other);
+  for (std::size_t i = 0; i < count_; ++i)
+    if (t_max_.of[i] >= 0) t_max_.of[i] = rays_[i]->t_max;
   shorten();
+}
+
+// Those that find a leg inside go on as packets.
+void Packet::enter_together(std::uint32_t other, unsigned which) {
+  StreamRay* inside[RayPacket::most];
+  StreamRay::Leg legs[RayPacket::most];
+  std::size_t left = 0;
+  for (; which; which &= which - 1) {
+    StreamRay* const ray = rays_[std::countr_zero(which)];
+    if (ray->enter(other, legs[left])) inside[left++] = ray;
+  }
+  for (std::size_t first = 0; first < left;) {
+    const std::size_t alike = gather_alike(inside + first, legs + first, left - first);
+    Packet(inside + first, legs + first, alike, nested_ + 1).run();
+    for (const std::size_t end = first + alike; first < end; ++first) inside[first]->leave();
+  }
 }
 
 // As RayLanes has it.

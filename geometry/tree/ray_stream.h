@@ -28,6 +28,15 @@ class StreamRay {
   // What is met in a leg, as BraidVisitor has it.
   virtual void met(std::uint32_t tree, const TreeHit& hit) = 0;
   virtual void enter(std::uint32_t other) = 0;
+  // The same, if it returns false. True: there is a leg inside, to be gone until leave(), up to `most_nested` one in
+  // the other. What is met until then is met there.
+  virtual bool enter(std::uint32_t other, Leg& inside) {
+    (void)inside;
+    enter(other);
+    return false;
+  }
+  virtual void leave() {}
+  static constexpr std::size_t most_nested = 2;
 
   float t_max = 0;   // the end of the ray
   bool any = false;  // it asks whether anything is met: then t_max becomes less than 0, and it goes no further

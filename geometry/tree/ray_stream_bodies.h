@@ -14,7 +14,8 @@ constexpr std::uint32_t is_over = ~std::uint32_t(0);
 
 // What a ray has yet to meet, the nearest last.
 struct Stack {
-  static constexpr int capacity = 2 * (SurfaceTree::most_waiting + 1) + 8;  // eight are written where one is added
+  // Of a tree and the braids around it; eight are written where one is added.
+  static constexpr std::size_t capacity = (2 + StreamRay::most_nested) * (SurfaceTree::most_waiting + 1) + 8;
   std::size_t count = 0;
   float t[capacity];
   std::uint32_t child[capacity];
@@ -100,6 +101,13 @@ struct Lane {
   TreeView tree;
   std::uint32_t owner;  // of the tree
   Braid::View braid;
+  struct Outside {
+    const TreeRay* ray;
+    float t_min;
+    Braid::View braid;
+  };
+  Outside outside[StreamRay::most_nested];  // of the leg
+  std::size_t nested;
   StreamRay* traveller;
   Stack waiting;
 
@@ -115,20 +123,28 @@ struct Lane {
 
  private:
   bool begin_leg();
+  void enter_leg(const StreamRay::Leg& leg);
+  void leave_leg();
   bool go_to_place();
   void enter_tree(const Braid::Strand& strand);
   bool leave_tree();
-  void enter_strand();
+  void enter_end();
 };
 
 [[gnu::noinline]] bool Lane::begin_leg() {
   StreamRay::Leg leg;
   if (!traveller->next(leg)) return false;
+  hit = {traveller->t_max};
+  waiting.count = 0;
+  nested = 0;
+  enter_leg(leg);
+  return true;
+}
+
+MERISTEM_INLINE void Lane::enter_leg(const StreamRay::Leg& leg) {
   ray = leg.ray;
   t_min = leg.t_min;
   braid = leg.braid;
-  hit = {traveller->t_max};
-  waiting.count = 0;
   if (braid.nodes) {
     in_tree = false;
     nodes = braid.nodes;
@@ -137,7 +153,18 @@ struct Lane {
   } else {
     enter_tree(leg.tree);
   }
-  return true;
+}
+
+// Back to the braid around it.
+void Lane::leave_leg() {
+  traveller->leave();
+  const Outside& back = outside[--nested];
+  ray = back.ray;
+  t_min = back.t_min;
+  braid = back.braid;
+  nodes = braid.nodes;
+  hit.t = traveller->t_max;
+  child = waiting.take(hit.t);
 }
 
 bool Lane::begin(StreamRay& next) {
@@ -171,11 +198,18 @@ MERISTEM_INLINE bool Lane::leave_tree() {
   return true;
 }
 
-// Enters a tree, or whatever else stands at the end of a braid. Strands are few and mostly near.
-MERISTEM_INLINE void Lane::enter_strand() {
-  const Braid::Strand& strand = OfBraid{braid}.strand(child & ~is_end);
-  if (strand.nodes) return enter_tree(strand);
-  traveller->enter(strand.owner);
+// Enters a tree, or whatever else stands at an end of a braid.
+MERISTEM_INLINE void Lane::enter_end() {
+  const OfBraid of{braid};
+  const std::uint32_t end = child & ~is_end;
+  if (of.is_strand(end)) return enter_tree(of.strand(end));
+  StreamRay::Leg inside;
+  if (nested == StreamRay::most_nested) {
+    traveller->enter(of.other(end));
+  } else if (traveller->enter(of.other(end), inside)) {
+    outside[nested++] = {ray, t_min, braid};
+    return enter_leg(inside);
+  }
   hit.t = traveller->t_max;
   child = waiting.take(hit.t);
 }
@@ -184,11 +218,15 @@ MERISTEM_INLINE void Lane::enter_strand() {
 MERISTEM_INLINE bool Lane::go_to_place() {
   while (!is_at_node()) {
     if (child == is_over) {
-      if (!(in_tree && leave_tree()) && !begin_leg()) return false;
+      if (in_tree && leave_tree()) continue;
+      if (nested > 0)
+        leave_leg();
+      else if (!begin_leg())
+        return false;
     } else if (in_tree) {
       return true;
     } else {
-      enter_strand();
+      enter_end();
     }
   }
   return true;

@@ -368,16 +368,18 @@ struct OfTree {
   }
 };
 
-// Nodes of braids: their ends are strands.
+// Nodes of braids: their ends are strands and others.
 struct OfBraid {
   const Braid::View& braid;
 
   const SurfaceTree::Node& node(std::uint32_t index) const { return braid.nodes[index]; }
+  bool is_strand(std::uint32_t end) const { return node(end / 8).shape[end % 8] == Braid::is_strand; }
   const Braid::Strand& strand(std::uint32_t end) const { return braid.strands[node(end / 8).first[end % 8]]; }
+  std::uint32_t other(std::uint32_t end) const { return node(end / 8).first[end % 8]; }
   MERISTEM_INLINE void prefetch(const SurfaceTree::Node& node, std::uint32_t place) const {
-    if (node.shape[place] == 0)
+    if (node.shape[place] == Braid::is_node)
       prefetch_node(braid.nodes[node.first[place]]);
-    else
+    else if (node.shape[place] == Braid::is_strand)
       _mm_prefetch(reinterpret_cast<const char*>(braid.strands + node.first[place]), _MM_HINT_T0);
   }
 };
@@ -437,19 +439,17 @@ bool trace(const Braid::View& braid, const RayLanes& ray, BraidVisitor& visitor)
   for (std::uint32_t child = 0;;) {
     if (!(child & is_end)) {
       if (descend<Any>(OfBraid{braid}, child, ray, visitor.t_max, waiting)) continue;
-    } else {
-      const Braid::Strand& strand = OfBraid{braid}.strand(child & ~is_end);
-      if (strand.nodes) {
-        TreeHit hit{visitor.t_max};
-        if (trace<Any>({strand.nodes, strand.triangles, strand.positions}, strand.start, ray, hit)) {
-          if constexpr (Any) return true;
-          visitor.met(strand.owner, hit);
-        }
-      } else {
-        visitor.enter(strand.owner);
-        if constexpr (Any)
-          if (visitor.t_max < 0) return true;
+    } else if (const std::uint32_t end = child & ~is_end; OfBraid{braid}.is_strand(end)) {
+      const Braid::Strand& strand = OfBraid{braid}.strand(end);
+      TreeHit hit{visitor.t_max};
+      if (trace<Any>({strand.nodes, strand.triangles, strand.positions}, strand.start, ray, hit)) {
+        if constexpr (Any) return true;
+        visitor.met(strand.owner, hit);
       }
+    } else {
+      visitor.enter(OfBraid{braid}.other(end));
+      if constexpr (Any)
+        if (visitor.t_max < 0) return true;
     }
     if (!waiting.take(visitor.t_max, child)) return false;
   }

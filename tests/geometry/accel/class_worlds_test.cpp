@@ -87,6 +87,42 @@ TEST_F(ClassWorldsTest, SurfacesDoNotHideThemselves) {
   EXPECT_LT(differ, rays / 200);
 }
 
+// First through the world in which they begin, then through that of their class.
+TEST_F(ClassWorldsTest, RaysThroughTwoWorldsMeetTheSameTogether) {
+  std::vector<Ray> rays;
+  for (int i = 0; i < 600; ++i) {
+    Ray ray = ray_of(i);
+    SurfaceHit hit;
+    if (!world->intersect(ray, hit)) continue;
+    ray.origin = hit.position - ray.direction * (i % 2 == 0 ? 0.003f : 0.5f);
+    ray.ray_class = i % 3 == 0 ? RayClass::Shadow : RayClass::Diffuse;
+    if (i % 7 == 0) ray.direction = -ray.direction;
+    if (i % 5 == 0) ray.t_max = i % 10 == 0 ? 0.001f : 0.4f;
+    rays.push_back(ray);
+  }
+  ASSERT_GT(rays.size(), 300u);
+  std::vector<SurfaceHit> alone(rays.size()), together(rays.size());
+  std::vector<RayQuery> queries;
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    queries.push_back({&rays[i], rays[i].ray_class == RayClass::Shadow ? nullptr : &together[i]});
+  for (int round = 0; round < 2; ++round) {
+    std::size_t met = 0;
+    world->trace(queries);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(world->intersect(rays[i], alone[i]), queries[i].met) << i;
+      met += queries[i].met;
+      if (!queries[i].met || !queries[i].hit) continue;
+      EXPECT_EQ(alone[i].t, together[i].t) << i;
+      EXPECT_EQ(alone[i].position, together[i].position) << i;
+      EXPECT_EQ(alone[i].level, together[i].level) << i;
+    }
+    EXPECT_GT(met, 100u);
+    EXPECT_LT(met, rays.size() - 100);
+    world->settle();
+    EXPECT_TRUE(world->is_settled());
+  }
+}
+
 TEST_F(ClassWorldsTest, OneFootprintIsOneWorld) {
   const auto model = bumpy_model(shapes::cube(), 5, 0.1, {64, 64});
   const auto footprint = footprint_of(0.02);

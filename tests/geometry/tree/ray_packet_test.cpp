@@ -22,7 +22,8 @@ std::vector<Traveller> travellers(std::size_t count, const std::vector<StreamRay
   return rays;
 }
 
-void trace(std::vector<Traveller>& rays, std::size_t together) {
+template <class Ray>
+void trace(std::vector<Ray>& rays, std::size_t together) {
   for (std::size_t i = 0; i < rays.size(); i += together) {
     RayPacket packet;
     for (std::size_t j = i; j < std::min(i + together, rays.size()); ++j) packet.add(rays[j]);
@@ -53,6 +54,29 @@ TEST(RayPacket, MeetsWhatRaysAloneMeet) {
       }
   EXPECT_GT(met, 3000);
   EXPECT_LT(met, 20000);
+}
+
+TEST(RayPacket, PacketsNest) {
+  flush_denormals();
+  const Twigs twigs;
+  const Boughs boughs(twigs);
+  const Braid all(twigs.list(), {});
+  int nested = 0, alone = 0;
+  for (const float spread : {0.002f, 0.2f, 3.f})
+    for (const std::size_t together : {1, 5, 8}) {
+      const std::vector<Traveller> fresh = travellers(1500, {}, spread);
+      std::vector<Climber> rays;
+      for (const Traveller& ray : fresh) rays.emplace_back(boughs.root(), ray);
+      trace(rays, together);
+      for (std::size_t k = 0; k < rays.size(); ++k) {
+        Nearest expected(fresh[k].t_max);
+        expect_met_as_alone(all, rays[k], fresh[k], expected);
+        nested += rays[k].legs_inside;
+        alone += rays[k].entered_alone;
+      }
+    }
+  EXPECT_GT(nested, 3000);
+  EXPECT_GT(alone, 3000);
 }
 
 // What is in a box may have to be expanded: only for a ray that needs it.

@@ -13,16 +13,17 @@ using namespace meristem;
 
 namespace {
 
+template <class Ray>
 class Stream final : public RayStream {
  public:
-  explicit Stream(std::vector<Traveller>& rays) : rays_(rays) {}
+  explicit Stream(std::vector<Ray>& rays) : rays_(rays) {}
   StreamRay* next(int lane) override {
     EXPECT_TRUE(lane >= 0 && lane < most_lanes);
     return next_ < rays_.size() ? &rays_[next_++] : nullptr;
   }
 
  private:
-  std::vector<Traveller>& rays_;
+  std::vector<Ray>& rays_;
   std::size_t next_ = 0;
 };
 
@@ -72,6 +73,26 @@ TEST(RayStream, GoesThroughOneLegAfterTheOther) {
   }
   EXPECT_GT(met, 500);
   EXPECT_LT(met, 2500);
+}
+
+TEST(RayStream, LegsNest) {
+  flush_denormals();
+  const Twigs twigs;
+  const Boughs boughs(twigs);
+  const Braid all(twigs.list(), {});
+  const std::vector<Traveller> fresh = travellers(3000, {});
+  std::vector<Climber> rays;
+  for (const Traveller& ray : fresh) rays.emplace_back(boughs.root(), ray);
+  Stream(rays).run();
+  int nested = 0, alone = 0;
+  for (Key k = 0; k < rays.size(); ++k) {
+    Nearest expected(fresh[k].t_max);
+    expect_met_as_alone(all, rays[k], fresh[k], expected);
+    nested += rays[k].legs_inside;
+    alone += rays[k].entered_alone;
+  }
+  EXPECT_GT(nested, 3000);
+  EXPECT_GT(alone, 1000);
 }
 
 TEST(RayStream, EndsWhereThereAreNoRaysOrNoWays) {
