@@ -1,7 +1,7 @@
 """Reads every text file of ours and names lines that break the habits of the tree: tabs, white space at the end, lines
 over 120 columns in sources, conflict marks, paths of one machine (in the metadata of PNG files, too), hosts of package
 registries, a header without #pragma once, a file that does not end in a line feed, links between pages that lead
-nowhere, mentions of pages that are not there.
+nowhere, mentions of pages that are not there, scenes whose descriptions are not small.
 
     text.py ROOT          checks the tree
     text.py --self-test   checks this check
@@ -17,6 +17,7 @@ SOURCES = {".h", ".cpp", ".py", ".cmake", ".txt", ".sh"}
 TEXTS = SOURCES | {".md", ".json", ".jsonc", ".yml", ""}
 GENERATED = {"docs/components.md", "docs/scene.schema.json"}
 LIMIT = 120
+SMALL, SMALL_FOREST = 4096, 16384  # bytes of a scene file
 
 # Patterns are written so that they do not match themselves.
 MACHINE_PATH = r"(?<![\w.])/(?:work|home|root)/"
@@ -82,6 +83,10 @@ def errors_in(root):
             continue
         if text and not text.endswith("\n"):
             yield f"{name}: does not end in a line feed"
+        if name.startswith("scenes/") and path.suffix == ".jsonc":
+            size, most = path.stat().st_size, SMALL_FOREST if path.stem == "forest" else SMALL
+            if size > most:
+                yield f"{name}: {size} bytes; a scene has {most} at most"
         if path.suffix == ".h" and "#pragma once" not in text:
             yield f"{name}: no #pragma once"
         yield from (f"{name}: {error}" for error in errors_in_links(root, path, text))
@@ -110,6 +115,8 @@ def self_test():
         "docs/n.md": ("# No way\n[a](n.md#no-way), [a](#no-way), [a](../geometry/k.h)\n", None),
         "docs/o.md": ("# No way\n[a](#no-way-out)\n", "a heading"),
         "geometry/r.h": ("// docs/" + "no.md\n#pragma once\n", "mentions docs/" + "no.md"),
+        "scenes/s.jsonc": ("x" * SMALL + "\n", "4097 bytes"),
+        "scenes/forest.jsonc": ("x" * SMALL + "\n", None),
         "geometry/k.h": ("// ../root/x is no such path\n#pragma once\n", None),
     }
     for path, text, expected in [("docs/p.png", "/home" + "/me/meristem", "path of one machine"),
