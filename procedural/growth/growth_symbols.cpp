@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace meristem {
@@ -47,19 +48,68 @@ int GrowthSymbols::use(const std::string& name, int parameter_count, const Locat
 void GrowthSymbols::add_rule(int symbol, int step) {
   Entry& e = entries_[std::size_t(symbol)];
   e.last_rule = std::max(e.last_rule, step);
+  e.has_rule = true;
+}
+
+std::vector<std::string> GrowthSymbols::names(bool with_rules) const {
+  std::vector<std::string> names;
+  for (const Entry& e : entries_)
+    if (e.has_rule == with_rules) names.push_back(e.name);
+  return names;
 }
 
 void GrowthSymbols::report_terminals(Diagnostics& diagnostics) const {
-  std::vector<std::string> with_rules;
-  for (const Entry& e : entries_)
-    if (e.last_rule >= 0) with_rules.push_back(e.name);
+  const std::vector<std::string> with_rules = names(true);
   for (const Entry& e : entries_) {
-    if (e.last_rule >= 0) continue;
+    if (e.has_rule) continue;
     const std::string_view near = nearest_name(e.name, with_rules);
     if (near.empty()) continue;
     diagnostics.warning(e.first,
                         fmt::format("symbol \"{}\" has no rule in any step; did you mean \"{}\"?", e.name, near));
   }
+}
+
+void GrowthSymbols::report_unreachable(Diagnostics& diagnostics) const {
+  std::vector<bool> is_reached(entries_.size(), false);
+  std::vector<int> open;
+  const auto reach = [&](int symbol) {
+    if (!is_reached[std::size_t(symbol)]) open.push_back(symbol);
+    is_reached[std::size_t(symbol)] = true;
+  };
+  const auto follow = [&] {
+    while (!open.empty()) {
+      const Entry& e = entry(open.back());
+      open.pop_back();
+      for (const int made : e.makes) reach(made);
+    }
+  };
+  for (int s = 0; s < size(); ++s)
+    if (entry(s).is_on_base) reach(s);
+  follow();
+  const auto is_made = [&](int symbol) {  // by a rule of another that is not reached
+    for (int other = 0; other < size(); ++other)
+      if (other != symbol && !is_reached[std::size_t(other)] &&
+          std::ranges::find(entry(other).makes, symbol) != entry(other).makes.end())
+        return true;
+    return false;
+  };
+  const std::vector<std::string> terminals = names(false), heads = names(true);
+  // What stands at the beginning of a chain first; of a ring any
+  for (const bool beginnings : {true, false})
+    for (int s = 0; s < size(); ++s) {
+      if (is_reached[std::size_t(s)] || (beginnings && is_made(s))) continue;
+      reach(s);
+      follow();
+      // A terminal with a name like it has been reported
+      if (!entry(s).has_rule || !nearest_name(entry(s).name, terminals).empty()) continue;
+      std::vector<std::string> others;
+      std::ranges::copy_if(heads, std::back_inserter(others), [&](const auto& h) { return h != entry(s).name; });
+      const std::string_view near = nearest_name(entry(s).name, others);
+      diagnostics.warning(
+          entry(s).first,
+          fmt::format("no face ever carries \"{}\": neither the base nor a rule that is reached makes it{}",
+                      entry(s).name, near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+    }
 }
 
 namespace {

@@ -23,9 +23,12 @@ class GrowthSymbols {
   struct Entry {
     std::string name;
     int parameter_count = 0;
-    Location first;       // where it was first named
-    int last_rule = -1;   // the model's last grow step (counted over all of them) with a rule for it; -1: a terminal
-    int productions = 0;  // that steps have for it so far
+    Location first;         // where it was first named
+    int last_rule = -1;     // the model's last grow step (counted over all of them) with a rule for it; -1: none has
+    bool has_rule = false;  // perhaps in an entry that says 0 steps
+    int productions = 0;    // that steps have for it so far
+    std::vector<int> makes = {};  // symbols of faces that these make
+    bool is_on_base = false;
   };
 
   int size() const { return int(entries_.size()); }
@@ -37,12 +40,21 @@ class GrowthSymbols {
   int use(const std::string& name, int parameter_count, const Location& where, Diagnostics& diagnostics);
   // Notes that the grow step of that index has a rule for the symbol.
   void add_rule(int symbol, int step);
+  // Notes that a production of the symbol makes faces with another.
+  void add_successor(int symbol, int made) { entries_[std::size_t(symbol)].makes.push_back(made); }
+  // Notes that the base mesh may have faces with the symbol.
+  void put_on_base(int symbol) { entries_[std::size_t(symbol)].is_on_base = true; }
   // A number for another production of the symbol, in the order in which they stand in the file, from 0.
   int number_production(int symbol) { return entries_[std::size_t(symbol)].productions++; }
   // Warns of terminals whose name is near that of a symbol with a rule. Called once after all steps are read.
   void report_terminals(Diagnostics& diagnostics) const;
+  // Warns of rules that no face can meet in any number of steps, whatever their conditions; not of those that only
+  // such rules lead to. Called once after all steps are read and the base is built,
+  // without errors.
+  void report_unreachable(Diagnostics& diagnostics) const;
 
  private:
+  std::vector<std::string> names(bool with_rules) const;
   std::vector<Entry> entries_;
 };
 

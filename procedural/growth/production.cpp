@@ -239,6 +239,8 @@ void GrowthRules::read_rule(const Member& rule, int last_step, GrowContext& cont
   const auto add = [&](const Value& v) {
     const std::string name = fmt::format("{}[{}]", head->name, context.symbols->number_production(symbol));
     Production p(v, rule.key, context.production_number(name), variables, context, diagnostics);
+    for (const Successor& successor : p.successors())
+      if (successor.symbol() >= 0) context.symbols->add_successor(symbol, successor.symbol());
     if (p.valid()) list.push_back(std::move(p));
   };
   if (rule.value.kind != Value::Kind::Array) return add(rule.value);

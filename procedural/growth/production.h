@@ -57,6 +57,7 @@ class Production {
   Applies applies(std::span<const IntervalValue> values) const;
   Interval weight_bounds(std::span<const IntervalValue> values) const;
   std::vector<Bounds3d> template_bounds(std::span<const IntervalValue> values) const;
+  const std::vector<Successor>& successors() const { return successors_; }
   const Successor& successor(int name) const { return successors_[std::size_t(name)]; }
 
  private:

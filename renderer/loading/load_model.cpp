@@ -38,6 +38,7 @@ class ModelBuilder {
       steps_.resize(std::size_t(context_.levels));
     symbols_->report_terminals(diagnostics_);
     if (has_errors_since(errors_before)) return nullptr;
+    symbols_->report_unreachable(diagnostics_);
     check_corner_counts(base, steps_, diagnostics_);
     if (has_errors_since(errors_before)) return nullptr;
     try {
@@ -74,6 +75,7 @@ class ModelBuilder {
                         grow_context_.production_number};
     Mesh mesh = shape->build(context);
     steps_ = shape->growth(context, section.steps && has_subdivision(*section.steps));
+    for (int symbol = 0; symbol < symbols_->size(); ++symbol) symbols_->put_on_base(symbol);
     if (const std::string defect = manifold_defect(mesh); !defect.empty())
       diagnostics_.error(section.base->location, fmt::format("the base mesh is not a manifold: {}", defect));
     else if (mesh.face_count() == 0 && diagnostics_.list().size() == said_before)  // else it has been said why

@@ -88,6 +88,33 @@ TEST(Rules, TerminalsNearASymbolWithRulesAreSuspicious) {
   EXPECT_FALSE(d.diagnostics.has_errors());
 }
 
+TEST(Rules, WhatNoFaceCanMeetIsSaid) {
+  const auto warnings = [](const std::string& rules) {
+    Derivation d(R"json({ "type": "box", "top": "shoot" })json", {R"({ "grow": 0, "rules": {)" + rules + "} }"});
+    EXPECT_FALSE(d.diagnostics.has_errors());
+    for (const FaceOrigin& origin : d.base.origins)
+      if (origin.symbol >= 0) d.symbols->put_on_base(origin.symbol);
+    d.symbols->report_unreachable(d.diagnostics);
+    return d.messages();
+  };
+  const std::string text = R"json(
+    "shoot": { "template": "segment", "faces": { "cap": "tip" } },
+    "shoots": { "template": "segment", "faces": { "cap": "thorn" } },
+    "thorn": { "template": "spike" }, "tip": { "template": "segment", "faces": { "side": "shoot" } })json";
+  EXPECT_EQ(warnings(text),
+            (Messages{"3:6 no face ever carries \"shoots\": neither the base nor a rule that is reached "
+                      "makes it; did you mean \"shoot\"?"}))
+      << "and not that thorns come of these alone";
+  EXPECT_EQ(warnings(R"json( "shoot": { "template": "spike" },
+    "ebb": { "template": "segment", "faces": { "cap": "flow" } },
+    "flow": { "template": "segment", "faces": { "cap": "ebb", "side": "flow" } } )json"),
+            (Messages{"2:6 no face ever carries \"ebb\": neither the base nor a rule that is reached makes it"}));
+  EXPECT_EQ(warnings(R"json( "shoot": { "if": "0", "template": "segment", "faces": { "cap": "rest" } },
+    "rest": { "template": "spike" } )json"),
+            Messages{})
+      << "conditions may be switched";
+}
+
 TEST(Rules, StepsAndRulesHaveTheirForms) {
   EXPECT_EQ(messages_of(R"json({ "grow": 1, "rules": 3 })json"),
             (Messages{"1:23 expected an object: symbols and their rules; found a number"}));
