@@ -46,6 +46,7 @@ class AssetFolder {
   std::string write(const std::string& name, std::string_view bytes);
   std::string copy(const std::string& path);     // the same file once
   std::string path_of(const std::string& name);  // for writing there by other means
+  std::string name_of(const std::string& name) const { return name_ + "/" + name; }
 
  private:
   std::string folder_, name_;

@@ -2,6 +2,7 @@
 
 #include "renderer/interchange/foreign_mesh.h"
 #include "renderer/interchange/gltf_materials.h"
+#include "renderer/interchange/vertex_colors.h"
 #include "renderer/language/json_value.h"
 
 #include <fmt/format.h>
@@ -30,7 +31,10 @@ Affine3d rotation(double x, double y, double z, double w) {
 class GltfReader {
  public:
   GltfReader(const std::string& path, AssetFolder& assets, Diagnostics& diagnostics)
-      : buffers_(path, diagnostics), diagnostics_(diagnostics), materials_(buffers_, assets, diagnostics) {}
+      : buffers_(path, diagnostics),
+        assets_(assets),
+        diagnostics_(diagnostics),
+        materials_(buffers_, assets, diagnostics) {}
 
   ForeignScene read() {
     diagnostics_.throw_if_errors();
@@ -69,13 +73,17 @@ class GltfReader {
 
   void read_materials() {
     const Value* list = buffers_.json().find("materials");
-    std::set<std::string> taken;
     for (const Value& m : list ? list->items : std::vector<Value>{}) {
       const Value* name = m.find("name");
-      std::string unique = name && !name->text.empty() ? name->text : "material";
-      while (!taken.insert(unique).second) unique = fmt::format("{}-{}", unique, taken.size());
-      scene_.materials.push_back({unique, {}, materials_.material(m)});
+      add_material(name && !name->text.empty() ? name->text : "material", materials_.material(m));
     }
+  }
+
+  // Returns its name: the one that is wished, or one like it.
+  std::string add_material(std::string name, Value material) {
+    while (!material_names_.insert(name).second) name = fmt::format("{}-{}", name, material_names_.size());
+    scene_.materials.push_back({name, {}, std::move(material)});
+    return name;
   }
 
   void read_node(const Value& index, const Affine3d& parent, int depth) {
@@ -210,13 +218,75 @@ class GltfReader {
     }
     if (mesh.normals.size() != mesh.positions.size()) mesh.normals.clear();
     if (mesh.uv.size() != mesh.positions.size()) mesh.uv.clear();
-    if (const Value* color = attributes->find("COLOR_0"))
-      diagnostics_.warning(color->location, "colours of vertices were left out");
     read_triangles(primitive, mesh);
+    const std::vector<Vec3f> colors = read_colors(attributes->find("COLOR_0"), mesh.positions.size());
+    const bool vary = std::ranges::any_of(colors, [&](Vec3f c) { return c != colors[0]; });
+    // A surface has one pair of coordinates, which textures need
+    const bool have_room = !vary || !has_textures(model.material);
+    if (!have_room)
+      diagnostics_.warning(attributes->find("COLOR_0")->location,
+                           "colours of vertices were left out, since the material has textures");
+    if (vary && have_room) mesh.uv.assign(mesh.positions.size(), {});  // so that corners remember their vertices
     MeshRepairs repairs;
     model.mesh = to_polygon_mesh(mesh, repairs);
     repairs.report(primitive.location, diagnostics_);
-    return model.mesh->face_count() > 0;
+    if (model.mesh->face_count() == 0) return false;
+    if (vary && have_room)
+      color_by_vertices(model, colors);
+    else if (!vary && !colors.empty() && colors[0] != Vec3f(1))
+      model.material = tinted(model.material, fmt::format("[{}, {}, {}]", colors[0].x, colors[0].y, colors[0].z));
+    return true;
+  }
+
+  // Of the vertices, without opacity; empty if there are none.
+  std::vector<Vec3f> read_colors(const Value* index, std::size_t vertices) {
+    const Value* accessor = index ? buffers_.item("accessors", index) : nullptr;
+    if (!accessor) return {};
+    const Value* type = accessor->find("type");
+    const std::size_t width = type && type->text == "VEC4" ? 4 : 3;
+    const std::vector<float> c = buffers_.floats(index, int(width));
+    if (c.size() != width * vertices) {
+      if (!c.empty()) diagnostics_.warning(index->location, "colours that are not one a vertex were left out");
+      return {};
+    }
+    std::vector<Vec3f> colors;
+    bool is_opaque = true;
+    for (std::size_t i = 0; i < c.size(); i += width) {
+      colors.push_back({c[i], c[i + 1], c[i + 2]});
+      is_opaque = is_opaque && (width == 3 || c[i + 3] == 1);
+    }
+    if (!is_opaque) diagnostics_.warning(index->location, "the opacity of vertices was left out");
+    return colors;
+  }
+
+  const Value* find_material(const std::string& name) const {
+    const auto known = std::ranges::find(scene_.materials, name, &Member::key);
+    return known == scene_.materials.end() ? nullptr : &known->value;
+  }
+  bool has_textures(const std::string& material) const {
+    const Value* known = find_material(material);
+    return known && known->find("textures");
+  }
+
+  void color_by_vertices(ForeignModel& model, const std::vector<Vec3f>& colors) {
+    const Image image = patches_of_colors(*model.mesh, colors);
+    const std::string file = model.name + ".exr";
+    write_image(assets_.path_of(file), image);
+    model.material = tinted(model.material, "vertices");
+    const Value texture = json::object({{"file", json::text(assets_.name_of(file))}, {"filter", json::number(0)}});
+    scene_.materials.back().value.members.push_back({"textures", {}, json::object({{"vertices", texture}})});
+  }
+
+  // The name of a new material: a copy whose base colour is multiplied by an expression.
+  std::string tinted(const std::string& name, const std::string& tint) {
+    const Value* known = find_material(name);
+    Value material = known ? *known : json::object({{"type", json::text("openpbr")}});
+    const auto color = std::ranges::find(material.members, "base_color", &Member::key);
+    if (color == material.members.end())
+      material.members.push_back({"base_color", {}, json::text(tint)});
+    else
+      color->value.text = color->value.text == "[1, 1, 1]" ? tint : fmt::format("{}*{}", color->value.text, tint);
+    return add_material(name.empty() ? "tinted" : name + "-tinted", std::move(material));
   }
 
   void read_triangles(const Value& primitive, ForeignMesh& mesh) {
@@ -290,9 +360,11 @@ class GltfReader {
   }
 
   GltfBuffers buffers_;
+  AssetFolder& assets_;
   Diagnostics& diagnostics_;
   GltfMaterials materials_;
   ForeignScene scene_;
+  std::set<std::string> material_names_;
   std::map<const Value*, std::vector<std::string>> models_;
   std::size_t nodes_ = 0;
   bool is_stopped_ = false;  // at a limit

@@ -1,12 +1,14 @@
 #include "renderer/interchange/gltf_reader.h"
 
 #include "geometry/base/key.h"
+#include "renderer/image/texture.h"
 #include "renderer/interchange/export_scene.h"
 #include "renderer/interchange/material_looks.h"
 #include "tests/renderer/interchange/folder.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <sstream>
 
@@ -147,6 +149,60 @@ TEST(Gltf, NodesAndFilesBesideIt) {
   EXPECT_EQ(scene.models[0].mesh->face_count(), 1u);
   ASSERT_EQ(scene.lights.size(), 1u);
   EXPECT_EQ(scene.lights[0].find("irradiance")->items[0].number, 2);
+}
+
+// The triangle with these bytes as colours of its vertices: four each, of which the last is opacity.
+ForeignScene colored_triangle(const Folder& folder, const std::string& colors, std::string* warning = nullptr) {
+  std::string text = triangle;
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace(R"("POSITION": 0 })", R"("POSITION": 0, "COLOR_0": 2 })");
+  replace(R"("type": "SCALAR" } ])",
+          R"("type": "SCALAR" },
+      { "bufferView": 2, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC4" } ])");
+  replace(R"("byteLength": 3 } ])", R"("byteLength": 3 }, { "buffer": 0, "byteOffset": 39, "byteLength": 12 } ])");
+  replace(R"("byteLength": 39)", R"("byteLength": 51)");
+  folder.write("triangle.bin", triangle_bytes() + colors);
+  std::vector<std::string> messages;
+  ForeignScene scene = read(folder.write("colored.gltf", text), warning ? &messages : nullptr);
+  if (warning && !messages.empty()) *warning = messages[0];
+  return scene;
+}
+
+TEST(Gltf, ColorsOfVerticesAreATexture) {
+  const Folder folder("gltf");
+  const ForeignScene scene = colored_triangle(folder, "\xff\x33\x33\xff\x33\xff\x33\xff\x33\x33\xff\xff");
+  const ForeignModel& model = scene.models.at(0);
+  const auto material = std::ranges::find(scene.materials, model.material, &Member::key);
+  ASSERT_NE(material, scene.materials.end());
+  EXPECT_EQ(material->value.find("base_color")->text, "vertices");
+  const Value* texture = material->value.find("textures")->find("vertices");
+  EXPECT_EQ(texture->find("filter")->number, 0) << "a mean would mix triangles";
+  const auto image = open_texture(folder.file(texture->find("file")->text), {});
+  const auto uv = [&](std::size_t corner) { return model.mesh->uv[model.mesh->corner_uv[corner]]; };
+  for (double b = 0; b <= 1; b += 0.25)
+    for (double c = 0; b + c <= 1; c += 0.25) {
+      const double u = uv(0).x * (1 - b - c) + uv(1).x * b + uv(2).x * c;
+      const double v = uv(0).y * (1 - b - c) + uv(1).y * b + uv(2).y * c;
+      const Vec3f color = image->at({float(u), float(v)});
+      EXPECT_NEAR(color.x, 0.2 + 0.8 * (1 - b - c), 2e-3) << b << ", " << c;
+      EXPECT_NEAR(color.y, 0.2 + 0.8 * b, 2e-3) << b << ", " << c;
+      EXPECT_NEAR(color.z, 0.2 + 0.8 * c, 2e-3) << b << ", " << c;
+    }
+}
+
+TEST(Gltf, OneColorOfAllVerticesNeedsNoTexture) {
+  const Folder folder("gltf");
+  std::string warning;
+  const ForeignScene scene =
+      colored_triangle(folder, std::string("\xff\x33\0\x80\xff\x33\0\x80\xff\x33\0\x80", 12), &warning);
+  const auto material = std::ranges::find(scene.materials, scene.models.at(0).material, &Member::key);
+  ASSERT_NE(material, scene.materials.end());
+  EXPECT_EQ(material->value.find("base_color")->text, "[1, 0.2, 0]");
+  EXPECT_EQ(warning, "7:77 the opacity of vertices was left out");
+  const ForeignScene white = colored_triangle(folder, std::string(12, '\xff'));
+  EXPECT_TRUE(white.models.at(0).material.empty());
 }
 
 TEST(Gltf, ErrorsSayWhere) {
