@@ -42,9 +42,7 @@ Model::Model(std::string name, Mesh base, std::vector<std::unique_ptr<Step>> ste
   constexpr double furthest = 1e15;  // squares of what is traced have to be finite floats
   if (bounds.empty() || !(reach <= furthest))
     throw std::runtime_error(
-        fmt::format("model \"{}\" has no finite bounds: wrap what may become very large, such as a quotient, in "
-                    "clamp(..., lo, hi)",
-                    name_));
+        "the model has no finite bounds: wrap what may become very large, such as a quotient, in clamp(..., lo, hi)");
   quantum_ = Quantum::for_reach(std::max(reach, 1e-6));
   for (const auto& s : steps_) s->set_quantum(quantum_);
   for (Vec3d& p : base.positions) p = quantum_.round(p);

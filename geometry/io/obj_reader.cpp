@@ -21,6 +21,8 @@ class Reader {
       : source_(source), diagnostics_(diagnostics), at_(source->text.data()), end_(at_ + source->text.size()) {}
 
   PolygonMesh read() {
+    constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";  // some editors put it before UTF-8
+    if (std::string_view(source_->text).starts_with(byte_order_mark)) at_ += byte_order_mark.size();
     while (at_ < end_ && errors_ < max_errors) {
       read_statement(next_word());
       skip_line();
@@ -106,6 +108,8 @@ class Reader {
     const auto [next, code] = std::from_chars(begin, end_, number);
     if (code == std::errc::invalid_argument) return error(at_, "expected a number");
     if (code != std::errc{} || !std::isfinite(number)) return error(at_, "the number is not finite or out of range");
+    if (std::abs(number) > PolygonMesh::largest_coordinate)
+      return error(at_, fmt::format("a coordinate is at most {:g}", PolygonMesh::largest_coordinate));
     at_ = next;
     return true;
   }

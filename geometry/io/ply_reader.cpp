@@ -275,7 +275,10 @@ class Reader {
 
   bool read_number(Type type, double& number, bool is_used) {
     if (format_ == Format::Ascii ? !read_text(type, number) : !read_bytes(type, number)) return false;
-    return !is_used || std::isfinite(number) || body_error("a number is not finite");
+    if (!is_used || std::abs(number) <= PolygonMesh::largest_coordinate) return true;
+    return body_error(std::isfinite(number)
+                          ? fmt::format("a number is larger than {:g}", PolygonMesh::largest_coordinate)
+                          : "a number is not finite");
   }
 
   bool read_text(Type type, double& number) {

@@ -13,6 +13,8 @@ namespace meristem {
 
 struct PolygonMesh {
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  // Of coordinates of all kinds, in readers: no model reaches further.
+  static constexpr double largest_coordinate = 1e15;
 
   std::vector<Vec3d> positions;
   std::vector<Vec2d> uv;

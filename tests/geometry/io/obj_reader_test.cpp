@@ -55,6 +55,12 @@ TEST(ObjReader, NegativeIndicesCountFromTheLastVertexSoFar) {
   EXPECT_EQ(r.mesh.corner_positions, (std::vector<std::uint32_t>{0, 1, 2, 3, 0, 1}));
 }
 
+TEST(ObjReader, AByteOrderMarkIsPassedOver) {
+  const Result r = read("\xef\xbb\xbf" + triangle_points + "f 1 2 3\n");
+  EXPECT_TRUE(r.diagnostics.list().empty());
+  EXPECT_EQ(r.mesh.positions.size(), 3u);
+}
+
 TEST(ObjReader, BackslashJoinsLines) {
   const Result r = read("v 0 0 \\\n0\nv 1 0 0\nv 0 1 0\nf 1 2 \\\r\n 3\n");
   EXPECT_TRUE(r.diagnostics.list().empty());
@@ -82,6 +88,8 @@ TEST(ObjReader, ErrorsPointToTheirPlace) {
   EXPECT_EQ(first_error("v 1 2\n"), "1:6 expected a number");
   EXPECT_EQ(first_error("v 1 nan 2\n"), "1:5 the number is not finite or out of range");
   EXPECT_EQ(first_error("v 1 1e999 2\n"), "1:5 the number is not finite or out of range");
+  EXPECT_EQ(first_error("v 1 -1e39 2\n"), "1:5 a coordinate is at most 1e+15");
+  EXPECT_EQ(first_error("vt 1e16 2\n"), "1:4 a coordinate is at most 1e+15");
   EXPECT_EQ(first_error("v 1 2 3\n"), "1:1 the file holds no faces");
   EXPECT_EQ(first_error(""), "1:1 the file holds no faces");
 }

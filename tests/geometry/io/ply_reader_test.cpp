@@ -95,6 +95,7 @@ TEST(PlyReader, ErrorsSayWhereAndWhatWouldBeRight) {
             "2:1 expected \"format ascii 1.0\", binary_little_endian or binary_big_endian");
   EXPECT_EQ(first_error(triangle_header + "0 0 0  1 0 0  0 1 x\n"), "11:19 expected a number");
   EXPECT_EQ(first_error(triangle_header + "0 0 0  1 0 0  0 1 nan\n3 0 1 2\n"), "11:22 a number is not finite");
+  EXPECT_EQ(first_error(triangle_header + "0 0 0  1 0 0  0 1 1e39\n3 0 1 2\n"), "11:23 a number is larger than 1e+15");
   EXPECT_EQ(first_error(triangle_header + "0 0 0  1 0 0  0 1 0\n3 0 1 3\n"),
             "12:8 there is no vertex 3; there are 3, from 0 on");
   EXPECT_EQ(first_error(triangle_header + "0 0 0  1 0 0  0 1 0\n3 0 1 1\n"), "12:8 a face has vertex 2 twice");
