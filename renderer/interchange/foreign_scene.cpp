@@ -1,5 +1,6 @@
 #include "renderer/interchange/foreign_scene.h"
 
+#include "geometry/io/whole_file.h"
 #include "renderer/image/atomic_file.h"
 #include "renderer/language/json_value.h"
 #include "renderer/language/json_writer.h"
@@ -8,10 +9,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <map>
-#include <sstream>
 
 namespace meristem {
 
@@ -115,19 +114,22 @@ std::string AssetFolder::write(const std::string& name, std::string_view bytes) 
   return name_of(name);
 }
 
-std::string AssetFolder::copy(const std::string& path) {
+std::string AssetFolder::copy(const std::string& path, const Location& where, Diagnostics& diagnostics) {
   for (const auto& [from, name] : copied_)
     if (from == path) return name;
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  if (!file || !(bytes << file.rdbuf())) throw FileError(fmt::format("cannot read {}", path));
+  std::string reason;
+  const std::optional<std::string> bytes = read_whole_file(path, reason);
+  if (!bytes) {
+    diagnostics.error(where, std::move(reason));
+    return {};
+  }
   const std::string base = fs::path(path).filename().string();
   const auto is_taken = [&](const std::string& name) {
     return std::ranges::any_of(copied_, [&](const auto& c) { return c.second == name_of(name); });
   };
   std::string name = base;
   for (int i = 2; is_taken(name); ++i) name = fmt::format("{}-{}", i, base);
-  copied_.emplace_back(path, write(name, bytes.str()));
+  copied_.emplace_back(path, write(name, *bytes));
   return copied_.back().second;
 }
 

@@ -2,6 +2,7 @@
 // down: one .jsonc file, and a folder of its name for meshes and images.
 #pragma once
 
+#include "geometry/base/source.h"
 #include "geometry/base/transform.h"
 #include "geometry/base/value.h"
 #include "geometry/io/polygon_mesh.h"
@@ -44,7 +45,8 @@ class AssetFolder {
   explicit AssetFolder(const std::string& scene_path);
   // Each returns the name by which the scene knows the file. The folder is made when it is first needed. FileError.
   std::string write(const std::string& name, std::string_view bytes);
-  std::string copy(const std::string& path);     // the same file once
+  // Of the same file once; empty, with an error at `where`, if it cannot be read.
+  std::string copy(const std::string& path, const Location& where, Diagnostics& diagnostics);
   std::string path_of(const std::string& name);  // for writing there by other means
   std::string name_of(const std::string& name) const { return name_ + "/" + name; }
 

@@ -38,7 +38,7 @@ std::string GltfMaterials::image_file(const Value& image) {
     if (path.empty())
       diagnostics_.warning(uri->location, "an image that is no file in the folder was left out");
     else
-      file = assets_.copy(path);
+      file = assets_.copy(path, uri->location, diagnostics_);
   } else {
     const std::string_view bytes = buffers_.view(image.find("bufferView"));
     const bool is_png = bytes.starts_with("\x89PNG");

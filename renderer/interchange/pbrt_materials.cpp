@@ -113,17 +113,18 @@ void PbrtMaterials::set(Value& material, const char* name, const Pattern& patter
 PbrtMaterials::Pattern PbrtMaterials::image(PbrtParameters& params, const Location& where) {
   const std::string file = params.text("filename", ""), wrap = params.text("wrap", "repeat");
   const std::string path = path_inside(folder_, file);
-  if (path.empty()) {
-    diagnostics_.error(where, fmt::format("the image \"{}\" leaves the folder of the scene", file));
-    return {"0.5", {}};
-  }
+  const PbrtParameter* const named = params.find("filename");
+  const Location& place = named ? named->where : where;
+  if (path.empty()) diagnostics_.error(place, fmt::format("the image \"{}\" leaves the folder of the scene", file));
+  const std::string copy = path.empty() ? "" : assets_.copy(path, place, diagnostics_);
+  if (copy.empty()) return {"0.5", {}};
   const std::string mapping = params.text("mapping", "uv");
   if (mapping != "uv") diagnostics_.warning(where, fmt::format("the mapping \"{}\" became uv", mapping));
   const auto coordinate = [&](const char* axis, const char* scale, const char* offset) {
     const double s = params.number(scale, 1), o = params.number(offset, 0);
     return s == 1 && o == 0 ? std::string(axis) : fmt::format("{}*{} + {}", s, axis, o);
   };
-  Value value = json::object({{"file", json::text(assets_.copy(path))},
+  Value value = json::object({{"file", json::text(copy)},
                               {"u", json::text(coordinate("u", "uscale", "udelta"))},
                               {"v", json::text(coordinate("v", "vscale", "vdelta"))}});
   if (wrap == "black" || wrap == "clamp") put(value, "wrap", json::text(wrap));

@@ -227,6 +227,20 @@ TEST(Gltf, ErrorsSayWhere) {
   EXPECT_EQ(first("\"VEC3\"", "\"VEC2\""), "expected an accessor of 3 numbers an item, found 2");
 }
 
+TEST(Gltf, AnImageThatIsMissingIsAnErrorAtItsPlace) {
+  const Folder folder("gltf");
+  folder.write("triangle.bin", triangle_bytes());
+  std::string text = triangle;
+  text.insert(text.rfind('}'), R"(, "images": [ { "uri": "bark.png" } ], "textures": [ { "source": 0 } ],
+  "materials": [ { "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } } ] )");
+  std::vector<std::string> messages;
+  read(folder.write("triangle.gltf", text), &messages);
+  ASSERT_FALSE(messages.empty());
+  EXPECT_NE(messages[0].find("cannot read"), std::string::npos) << messages[0];
+  EXPECT_NE(messages[0].find("bark.png"), std::string::npos) << messages[0];
+  EXPECT_EQ(messages[0].substr(0, 6), "11:85 ") << messages[0];
+}
+
 TEST(Gltf, IndicesAndNumbersAreChecked) {
   const Folder folder("gltf");
   const auto path = folder.write("triangle.gltf", triangle);

@@ -216,6 +216,12 @@ TEST(Pbrt, ErrorsSayWhere) {
   EXPECT_EQ(first("Shape \"trianglemesh\" \"point3 P\" [ 0 0"), "1:22 the list of values has no closing bracket");
   EXPECT_EQ(first("NamedMaterial \"gold\""), "1:1 there is no material named \"gold\" before this");
   EXPECT_EQ(first("Include \"../other.pbrt\""), "1:1 \"../other.pbrt\" leaves the folder of the scene");
+  const std::string texture = "Texture \"bark\" \"spectrum\" \"imagemap\" ";
+  EXPECT_EQ(first(texture + "\"string filename\" \"../bark.png\""),
+            "1:38 the image \"../bark.png\" leaves the folder of the scene");
+  const std::string missing = first(texture + "\"string filename\" \"bark.png\"");
+  EXPECT_TRUE(missing.starts_with("1:38 cannot read ")) << missing;
+  EXPECT_NE(missing.find("bark.png"), missing.npos) << missing;
   EXPECT_EQ(first("Include \"scene.pbrt\""), "1:1 \"scene.pbrt\" includes itself");
   EXPECT_EQ(first("LookAt 0 0 0  0 1 0  0 1 0"), "1:1 LookAt looks along its own up");
   EXPECT_EQ(first("Camera \"perspective"), "1:8 the text has no closing quote");
