@@ -131,6 +131,12 @@ void Diagnostics::error(const Location& where, std::string message) {
 }
 
 void Diagnostics::warning(const Location& where, std::string message) {
+  // What is found again is not said again: a model is read for each of its seeds
+  const auto is_said = [&](const Diagnostic& d) {
+    return d.severity == Diagnostic::Severity::Warning && d.location.source == where.source &&
+           d.location.offset == where.offset && d.message == message;
+  };
+  if (std::ranges::any_of(list_, is_said)) return;
   // Half of the room is kept for errors, which decide whether the scene is used
   if (list_.size() < max_diagnostics / 2) list_.push_back({Diagnostic::Severity::Warning, where, std::move(message)});
 }

@@ -91,9 +91,18 @@ TEST(Diagnostics, WarningsAloneAreNoErrors) {
   EXPECT_EQ(diagnostics.list().size(), 1u);
 }
 
+TEST(Diagnostics, WhatIsFoundAgainIsSaidOnce) {
+  Diagnostics diagnostics;
+  const Location begin = at("abc", 0);
+  for (int i = 0; i < 3; ++i) diagnostics.warning(begin, "odd");
+  diagnostics.warning(begin.advanced(1), "odd");
+  diagnostics.warning(begin, "strange");
+  EXPECT_EQ(diagnostics.list().size(), 3u);
+}
+
 TEST(Diagnostics, StopsListingAfterTooManyAndSaysSo) {
   Diagnostics diagnostics;
-  for (int i = 0; i < 100000; ++i) diagnostics.warning({}, "odd");
+  for (int i = 0; i < 100000; ++i) diagnostics.warning({}, "odd" + std::to_string(i));
   EXPECT_FALSE(diagnostics.has_errors());
   for (int i = 0; i < 100000; ++i) diagnostics.error({}, "wrong");
   EXPECT_TRUE(diagnostics.has_errors());
