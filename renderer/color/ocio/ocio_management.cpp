@@ -17,6 +17,9 @@ namespace ocio = OCIO_NAMESPACE;
 namespace {
 
 constexpr const char* working_space = "Linear Rec.709 (sRGB)";
+// As configurations call it: of ACES 1.3, of ACES 1.2, aliases of both, of Blender, of Nuke and older Blender.
+constexpr const char* working_names[] = {working_space, "Utility - Linear - sRGB", "lin_rec709",
+                                         "lin_srgb",    "Linear Rec.709",          "Linear"};
 
 struct Display {
   const char* name;
@@ -113,16 +116,28 @@ std::vector<std::string> views_of(const ocio::Config& config, const char* displa
 }
 
 // The one that is wanted, in any case; the first if none is.
-std::string chosen(const char* what, const std::vector<std::string>& names, const std::string& wanted) {
+std::string chosen(const std::string& what, const std::vector<std::string>& names, const std::string& wanted) {
   if (wanted.empty()) return names[0];
   for (const std::string& name : names)
     if (strcasecmp(name.c_str(), wanted.c_str()) == 0) return name;
   throw ColorError(fmt::format("no {} named \"{}\"; known: {}", what, wanted, fmt::join(names, ", ")));
 }
 
-// Our working space to the space `config` calls scene_linear. Null: they are the same space.
+// The working space in the words of `config`; null if it has none for it.
+const char* known_working_space(const ocio::Config& config) {
+  for (const char* name : working_names)
+    if (config.getColorSpace(name)) return name;
+  return nullptr;
+}
+
+// Our working space to the space `config` calls scene_linear. Null: it knows ours.
 ocio::ConstCPUProcessorRcPtr to_scene_linear(const ocio::ConstConfigRcPtr& config) {
-  if (!environment_has_config() || config->getColorSpace(working_space)) return nullptr;
+  if (known_working_space(*config)) return nullptr;
+  if (!config->hasRole("aces_interchange") || !config->hasRole(ocio::ROLE_SCENE_LINEAR))
+    throw ColorError(
+        fmt::format("the configuration that OCIO names does not say what linear Rec.709 is: it has no colour space {}, "
+                    "nor the roles aces_interchange and scene_linear",
+                    fmt::join(working_names, ", ")));
   return ocio::Config::GetProcessorFromConfigs(built_in_config(), working_space, config, ocio::ROLE_SCENE_LINEAR)
       ->getDefaultCPUProcessor();
 }
@@ -134,7 +149,8 @@ ocio::ConstCPUProcessorRcPtr to_display(const ocio::ConstConfigRcPtr& config, co
   const double matrix[16] = {factor, 0, 0, 0, 0, factor, 0, 0, 0, 0, factor, 0, 0, 0, 0, 1};
   gain->setMatrix(matrix);
   ocio::DisplayViewTransformRcPtr show = ocio::DisplayViewTransform::Create();
-  show->setSrc(config->getColorSpace(working_space) ? working_space : ocio::ROLE_SCENE_LINEAR);
+  const char* const known = known_working_space(*config);
+  show->setSrc(known ? known : ocio::ROLE_SCENE_LINEAR);
   show->setDisplay(display.c_str());
   show->setView(view.c_str());
   ocio::GroupTransformRcPtr both = ocio::GroupTransform::Create();
@@ -176,7 +192,8 @@ class OcioManagement final : public ColorManagement {
     return with_color_errors([&] {
       const ocio::ConstConfigRcPtr config = current_config();
       const std::string shown_on = chosen("display", displays_of(*config), display);
-      const std::string name = chosen("view", views_of(*config, shown_on.c_str()), view);
+      const std::string name =
+          chosen(fmt::format("view of the display {}", shown_on), views_of(*config, shown_on.c_str()), view);
       const ocio::ConstColorSpaceRcPtr space =
           config->getColorSpace(config->getDisplayViewColorSpaceName(shown_on.c_str(), name.c_str()));
       return std::make_unique<const OcioTransform>(

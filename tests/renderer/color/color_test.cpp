@@ -99,7 +99,7 @@ TEST(DisplayTransform, ViewsAreNamedInAnyCaseAndUnknownOnesAreErrorsWithTheList)
     DisplayTransform("Filmic");
     ADD_FAILURE();
   } catch (const ColorError& error) {
-    EXPECT_STREQ(error.what(), "no view named \"Filmic\"; known: ACES SDR, sRGB, Raw");
+    EXPECT_STREQ(error.what(), "no view of the display sRGB named \"Filmic\"; known: ACES SDR, sRGB, Raw");
   }
 }
 
@@ -139,6 +139,38 @@ TEST_F(EnvironmentConfig, IsHonouredWithOurWorkingSpaceConverted) {
   EXPECT_NEAR(green[0], 2 * 0.3395f, 1e-3f);
   EXPECT_NEAR(green[1], 2 * 0.9164f, 1e-3f);
   EXPECT_NEAR(green[2], 2 * 0.1096f, 1e-3f);
+}
+
+// Configurations older than the role aces_interchange have linear Rec.709 under a name of theirs.
+TEST_F(EnvironmentConfig, OfOldIsUnderstoodByTheNameOfItsSpace) {
+  const auto config = [](const std::string& linear) {
+    return R"(ocio_profile_version: 1
+roles: {scene_linear: other, default: other}
+displays:
+  screen:
+    - !<View> {name: Half, colorspace: half}
+colorspaces:
+  - !<ColorSpace> {name: other}
+  - !<ColorSpace>
+    name: half
+    from_reference: !<MatrixTransform> {matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}
+  - !<ColorSpace>
+    name: )" +
+           linear + R"(
+    to_reference: !<MatrixTransform> {matrix: [4, 0, 0, 0, 0, 4, 0, 0, 0, 0, 4, 0, 0, 0, 0, 1]}
+)";
+  };
+  for (const char* name : {"Utility - Linear - sRGB", "lin_rec709", "Linear"}) {
+    use(config(name));
+    EXPECT_NEAR(shown({0.25f, 0.25f, 0.25f}, "")[0], 0.5f, 1e-5f) << name;
+  }
+  use(config("linear of sorts"));
+  try {
+    DisplayTransform("");
+    FAIL() << "which space is ours was guessed";
+  } catch (const ColorError& error) {
+    EXPECT_NE(std::string(error.what()).find("does not say what linear Rec.709 is"), std::string::npos) << error.what();
+  }
 }
 
 TEST_F(EnvironmentConfig, ThatIsBrokenIsAnErrorInWords) {
