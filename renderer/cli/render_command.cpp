@@ -347,9 +347,9 @@ class ImageRender {
   bool film_written_ = false;
 };
 
-// "a.exr" to "a.0007.exr"; a run of # in the name is where the number goes.
+// "a.exr" to "a.0007.exr"; a run of # in the name is where the number goes, not one in the name of a folder.
 std::string numbered(const std::string& path, int frame) {
-  const std::size_t first = path.find('#');
+  const std::size_t name = path.size() - fs::path(path).filename().string().size(), first = path.find('#', name);
   if (first == std::string::npos) {
     const fs::path p(path);
     return (p.parent_path() / fmt::format("{}.{:04}{}", p.stem().string(), frame, p.extension().string())).string();

@@ -132,6 +132,9 @@ def check_merge(program):
 
 
 def check_frames(program):
+    (program.folder / "take#2").mkdir()
+    program.run("render", "ball.jsonc", "--frames", "3-3", "-o", "take#2/turn.png", "--samples", "1", "-q")
+    assert (program.folder / "take#2" / "turn.0003.png").exists(), "a # in the name of a folder is no number"
     options = ["render", "ball.jsonc", "--frames", "3-7x2", "-o", "turn.##.png", "-o", "turn.exr", "--samples", "1"]
     program.run(*options, "--set=/camera/from==[5*sin(frame/4), 1, 5]", "-q")
     expected = ["turn.0003.exr", "turn.0005.exr", "turn.0007.exr", "turn.03.png", "turn.05.png", "turn.07.png"]
