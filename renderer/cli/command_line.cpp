@@ -54,8 +54,11 @@ class CommandLine {
     app_.add_subcommand("schema", "the JSON Schema of scene files, for editors")->final_callback([this] {
       exit_code_ = schema_command();
     });
-    add_printed("manual", "the manual page of the program, for man", manual_page);
-    add_printed("completion", "the completion of commands and options, for bash", bash_completion);
+    add_printed("manual", "the manual page of the program, for man", [this] { return manual_page(app_); });
+    add_printed("completion", "the completion of commands and options, for bash", [this] {
+      offer(component_, fmt::format("{}", fmt::join(component_names(), " ")));
+      return bash_completion(app_);
+    });
   }
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
@@ -193,15 +196,16 @@ class CommandLine {
 
   void add_describe() {
     CLI::App& command = *app_.add_subcommand("describe", "manual pages of components; without NAME, their list");
-    CLI::Option* name = command.add_option("NAME", described_, "a component, or a kind of components");
-    command.add_flag("--markdown", describe_markdown_, "all pages as one Markdown document")->excludes(name);
+    component_ = command.add_option("NAME", described_, "a component, or a kind of components");
+    command.add_flag("--markdown", describe_markdown_, "all pages as one Markdown document")->excludes(component_);
     command.final_callback(
         [this] { exit_code_ = describe_markdown_ ? describe_markdown_command() : describe_command(described_); });
   }
 
   // A command that prints what is said of all of them.
-  void add_printed(const char* name, const char* doc, std::string (*text)(const CLI::App&)) {
-    app_.add_subcommand(name, doc)->final_callback([this, text] { print_result(text(app_)); });
+  template <class Text>
+  void add_printed(const char* name, const char* doc, Text text) {
+    app_.add_subcommand(name, doc)->final_callback([text] { print_result(text()); });
   }
 
   const SceneLoader& load_;
@@ -215,6 +219,7 @@ class CommandLine {
   ExportOptions exported_;
   ConvertOptions converted_;
   std::string checked_scene_, described_;
+  CLI::Option* component_ = nullptr;  // that `describe` describes
   bool describe_markdown_ = false;
   int exit_code_ = 0;
 };

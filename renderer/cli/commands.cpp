@@ -118,6 +118,8 @@ int describe_command(const std::string& name) {
   return int(ExitCode::Done);
 }
 
+std::vector<std::string> component_names() { return described_names(catalogue()); }
+
 int describe_markdown_command() {
   print_result(markdown(catalogue()));
   return int(ExitCode::Done);

@@ -32,6 +32,7 @@ int profile_command(const ProfileOptions& options);
 int check_command(const std::string& scene, const SceneLoader& load);
 int describe_command(const std::string& name);
 int describe_markdown_command();
+std::vector<std::string> component_names();  // of components and their kinds
 int schema_command();
 
 }  // namespace meristem

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <string_view>
 #include <vector>
 
 namespace meristem {
@@ -13,13 +14,16 @@ namespace meristem {
 namespace {
 
 constexpr std::size_t help_columns = 28;
+// Before the words of offer() in the name of an option's type, where CLI11 puts what its checks say of themselves.
+constexpr std::string_view offer_mark = ":offered ";
 
 // Without the ranges that CLI11 adds: "FLOAT:FLOAT in [0 - 1]" is "FLOAT".
 std::string type_of(const CLI::Option& option) {
   if (option.get_type_size() == 0) return "";
   const std::string type = option.get_type_name();
   std::size_t end = type.size();
-  for (const char* range : {":INT in", ":FLOAT in", ":UINT in", ":{"}) end = std::min(end, type.find(range));
+  constexpr std::string_view said_by_checks[] = {":INT in", ":FLOAT in", ":UINT in", ":{", offer_mark};
+  for (const std::string_view range : said_by_checks) end = std::min(end, type.find(range));
   return type.substr(0, end);
 }
 
@@ -64,12 +68,16 @@ std::string roff(const std::string& text) {
   return result;
 }
 
-std::string option_entry(const CLI::Option& option) {
+std::vector<std::string> spellings_of(const CLI::Option& option) {
   std::vector<std::string> names;
   for (const std::string& name : option.get_snames()) names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::string option_entry(const CLI::Option& option) {
   const std::string type = type_of(option);
-  return fmt::format(".TP\n.BR \"{}\"{}\n{}\n", roff(fmt::format("{}", fmt::join(names, ", "))),
+  return fmt::format(".TP\n.BR \"{}\"{}\n{}\n", roff(fmt::format("{}", fmt::join(spellings_of(option), ", "))),
                      type.empty() ? "" : fmt::format(" \" {}\"", roff(type)), roff(option.get_description()));
 }
 
@@ -82,10 +90,20 @@ std::string command_section(const CLI::App& command) {
   return text;
 }
 
-// Values that can be completed: "lazy|eager|flat".
-std::vector<std::string> choices_of(const CLI::Option& option) {
-  const std::string type = type_of(option);
-  return type.find('|') == std::string::npos ? std::vector<std::string>{} : CLI::detail::split(type, '|');
+// Values that can be completed, between blanks: those that are offered, or "8|16".
+std::string choices_of(const CLI::Option& option) {
+  const std::string whole = option.get_type_name();
+  if (const std::size_t at = whole.find(offer_mark); at != whole.npos) return whole.substr(at + offer_mark.size());
+  std::string type = type_of(option);
+  if (type.find('|') == type.npos) return {};
+  std::ranges::replace(type, '|', ' ');
+  return type;
+}
+
+// Extensions of files that an argument can name.
+std::string extensions_of(const CLI::Option& argument) {
+  const std::string name = argument.get_name(true);
+  return name == "SCENE" ? "jsonc json" : name == "FILM" ? "film" : name == "FILE" ? "pbrt gltf glb" : "";
 }
 
 std::string option_words(const CLI::App& app) {
@@ -114,35 +132,79 @@ std::string manual_page(const CLI::App& app) {
   return text;
 }
 
+CLI::Option* offer(CLI::Option* option, const std::string& words) {
+  return option->check(
+      CLI::Validator([](std::string&) { return std::string(); }, std::string(offer_mark.substr(1)) + words, "offer"));
+}
+
 std::string bash_completion(const CLI::App& app) {
-  std::string commands, options, values;
+  std::string commands, options, values, others, arguments;  // others: options of which no value is known
+  const auto add_once = [](std::string& list, const std::string& entry) {
+    if (list.find(entry) == std::string::npos) list += entry;
+  };
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    commands += (commands.empty() ? "" : " ") + command->get_name();
-    options += fmt::format("    {}) words=\"{}\" ;;\n", command->get_name(), option_words(*command));
-    for (const CLI::Option* option : options_of(*command))
-      if (const auto choices = choices_of(*option); !choices.empty()) {
-        const std::string entry =
-            fmt::format("    --{}) words=\"{}\" ;;\n", option->get_lnames()[0], fmt::join(choices, " "));
-        if (values.find(entry) == std::string::npos) values += entry;
+    const std::string name = command->get_name();
+    commands += (commands.empty() ? "" : " ") + name;
+    options += fmt::format("          {}) words=\"{}\" ;;\n", name, option_words(*command));
+    for (const CLI::Option* option : command->get_options()) {
+      const std::string choices = choices_of(*option), type = type_of(*option);
+      const std::string found = !choices.empty()      ? fmt::format("words=\"{}\"", choices)
+                                : type == "FILE"      ? "files=\"*\""
+                                : type == "DIRECTORY" ? "files=\"/\""
+                                                      : "";
+      if (option->get_positional()) {
+        const std::string extensions = extensions_of(*option);
+        if (!choices.empty() || !extensions.empty())
+          add_once(arguments, fmt::format("          {}) {} ;;\n", name,
+                                          choices.empty() ? fmt::format("files=\"{}\"", extensions) : found));
+      } else if (!type.empty()) {
+        for (const std::string& spelling : spellings_of(*option))
+          add_once(found.empty() ? others : values,
+                   found.empty() ? spelling + "|" : fmt::format("    {}) {} ;;\n", spelling, found));
       }
+    }
   }
   return fmt::format(R"(# bash completion for meristem, made by `meristem completion`
 _meristem() {{
-  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} words=
+  local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} words= files= end
+  COMPREPLY=()
+  # "=" is a word of its own
+  if [[ $word == "=" ]]; then word=; elif [[ $before == "=" ]]; then before=${{COMP_WORDS[COMP_CWORD-2]}}; fi
   case $before in
-{}  esac
-  if [[ -z $words && $COMP_CWORD == 1 ]]; then
-    words="{}"
-  elif [[ -z $words && $word == -* ]]; then
-    case ${{COMP_WORDS[1]}} in
-{}    esac
+{}    {}=) return ;;
+    *)
+      if [[ $COMP_CWORD == 1 ]]; then
+        words="{}"
+      elif [[ $word == -* ]]; then
+        case ${{COMP_WORDS[1]}} in
+{}        esac
+      else
+        case ${{COMP_WORDS[1]}} in
+{}        esac
+      fi ;;
+  esac
+  if [[ -n $words ]]; then
+    # Of a list the last
+    [[ $word == *,* ]] && words=$(printf "${{word%,*}},%s " $words)
+    mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
+  elif [[ -n $files ]]; then
+    compopt -o filenames 2>/dev/null
+    mapfile -t COMPREPLY < <({{
+      compgen -d -- "$word"
+      set -f
+      for end in $files; do
+        case $end in
+          /) ;;
+          "*") compgen -f -- "$word" ;;
+          *) compgen -f -X "!*.$end" -- "$word" ;;
+        esac
+      done
+    }} | sort -u)
   fi
-  COMPREPLY=($(compgen -W "$words" -- "$word"))
-  [[ -n $words ]] || COMPREPLY=($(compgen -f -- "$word"))
 }}
-complete -o filenames -F _meristem meristem
+complete -F _meristem meristem
 )",
-                     values, commands, options);
+                     values, others, commands, options, arguments);
 }
 
 }  // namespace meristem

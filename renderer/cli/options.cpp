@@ -1,6 +1,7 @@
 #include "renderer/cli/options.h"
 
 #include "renderer/cli/exit_code.h"
+#include "renderer/cli/manual.h"
 #include "renderer/cli/option_values.h"
 
 #include <fmt/format.h>
@@ -41,13 +42,14 @@ CLI::Option* add_parsed(CLI::App& app, const std::string& name, const std::strin
 template <class Choices, class Value>
 CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value, const std::string& doc,
                         const Choices& choices) {
-  return add_parsed(app, name, "", doc, [&value, &choices](const std::string& text) {
+  CLI::Option* const option = add_parsed(app, name, "", doc, [&value, &choices](const std::string& text) {
     const auto choice = choices.find(text);
     if (choice == choices.end())
       throw UsageError(
           fmt::format("\"{}\" is not known: expected one of {}", text, fmt::join(std::views::keys(choices), ", ")));
     value = choice->second;
   });
+  return offer(option, fmt::format("{}", fmt::join(std::views::keys(choices), " ")));
 }
 
 // A check by a function that throws what is wrong.
@@ -77,15 +79,18 @@ void add_expand_option(CLI::App& app, RenderOptions& o) {
 }
 
 void add_aov_option(CLI::App& app, RenderOptions& o) {
-  repeatable(app.add_option_function<std::vector<std::string>>(
-                 "--aov",
-                 [&o](const std::vector<std::string>& lists) {
-                   for (const std::string& list : lists) {
-                     const std::vector<Aov> more = parse_aovs(list);
-                     o.load.aovs.insert(o.load.aovs.end(), more.begin(), more.end());
-                   }
-                 },
-                 "parts of EXR files: albedo,normal,Z,... or all"))
+  std::string names = "all";
+  for (const AovInfo& aov : aov_infos()) names += fmt::format(" {}", aov.name);
+  repeatable(offer(app.add_option_function<std::vector<std::string>>(
+                       "--aov",
+                       [&o](const std::vector<std::string>& lists) {
+                         for (const std::string& list : lists) {
+                           const std::vector<Aov> more = parse_aovs(list);
+                           o.load.aovs.insert(o.load.aovs.end(), more.begin(), more.end());
+                         }
+                       },
+                       "parts of EXR files: albedo,normal,Z,... or all"),
+                   names))
       ->check(checked_by([](const std::string& list) { parse_aovs(list); }))
       ->type_name("NAMES")
       ->group(output_group);
