@@ -12,14 +12,22 @@ MovingCamera::Place MovingCamera::place(float time) const {
   return {key, at - float(key)};
 }
 
+Ray MovingCamera::between(Ray ray, const Ray& next, float share) {
+  ray.origin = ray.origin * (1 - share) + next.origin * share;
+  ray.direction = normalize(ray.direction * (1 - share) + next.direction * share);
+  return ray;
+}
+
 Ray MovingCamera::ray(const CameraSample& sample, int width, int height) const {
   const Place at = place(sample.time);
-  Ray ray = keys_[at.key]->ray(sample, width, height);
-  const Ray next = keys_[at.key + 1]->ray(sample, width, height);
-  ray.origin = ray.origin * (1 - at.share) + next.origin * at.share;
-  ray.direction = normalize(ray.direction * (1 - at.share) + next.direction * at.share);
+  Ray ray = between(keys_[at.key]->ray(sample, width, height), keys_[at.key + 1]->ray(sample, width, height), at.share);
   ray.time = sample.time;
   return ray;
+}
+
+Ray MovingCamera::axis(float time, int width, int height) const {
+  const Place at = place(time);
+  return between(keys_[at.key]->axis(time, width, height), keys_[at.key + 1]->axis(time, width, height), at.share);
 }
 
 const Camera& MovingCamera::nearest(float time) const {

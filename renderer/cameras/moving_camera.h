@@ -20,12 +20,17 @@ class MovingCamera final : public Camera {
   float footprint(Vec3f position, int width, int height) const override;
   float footprint_at(Vec3f position, float time, int width, int height) const override;
   PixelCone cone(const Ray& ray, int width, int height) const override;
+  Ray axis(float time, int width, int height) const override;
   bool has_axis() const override { return keys_[0]->has_axis(); }
   std::optional<Vec2f> project(Vec3d position, int width, int height) const override {
     return keys_[0]->project(position, width, height);
   }
+  std::optional<CameraMatrices> matrices(int width, int height) const override {
+    return keys_[0]->matrices(width, height);
+  }
 
  private:
+  static Ray between(Ray ray, const Ray& next, float share);
   struct Place {
     std::size_t key;  // the one before
     float share;      // of the way to the next

@@ -44,6 +44,11 @@ class Orthographic : public Camera {
     const double scale = double(height) / double(height_);
     return Vec2f(float(0.5 * width + v.x * scale), float(0.5 * height - v.y * scale));
   }
+  std::optional<CameraMatrices> matrices(int width, int height) const override {
+    const double up = 1 / double(height_), aspect = double(width) / double(height);
+    return CameraMatrices{frame_.matrix(),
+                          frame_.matrix({up / aspect, 0, 0, 0, 0, -up, 0, 0, 0, 0, 1, 0, 0.5, 0.5, 0, 1})};
+  }
 
  private:
   float half_diagonal(int width, int height) const {

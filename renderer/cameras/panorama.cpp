@@ -41,6 +41,9 @@ class PanoramaCamera : public Camera {
     return Vec2f(float(width * (0.5 + std::atan2(v.x, v.z) / (2 * pi))),
                  float(height * (0.5 - std::atan2(v.y, std::hypot(v.x, v.z)) / pi)));
   }
+  std::optional<CameraMatrices> matrices(int, int) const override {
+    return CameraMatrices{frame_.matrix(), std::nullopt};
+  }
 
  private:
   // The lesser of its sides at the horizon, in radians.

@@ -18,12 +18,28 @@ Vec3f Perspective::image_point(Vec2f film, int width, int height) const {
           (0.5f * float(height) - film.y) * pixel + 2 * half_height_ * shift_y_, 1};
 }
 
+Ray Perspective::axis(float depth) const {
+  Ray axis;
+  axis.origin = origin();
+  axis.direction = normalize(to_world({0, 0, depth}));
+  return axis;
+}
+
 std::optional<Vec2f> Perspective::project(Vec3d position, int width, int height) const {
   const Vec3d v = frame_.to_view(position);
   if (!(v.z > 0)) return std::nullopt;
   const double image_height = 2 * double(half_height_), scale = double(height) / (image_height * v.z);
   return Vec2f(float(0.5 * width + v.x * scale - double(shift_x_) * height),
                float(0.5 * height - v.y * scale + double(shift_y_) * height));
+}
+
+// The last coordinate is the depth; the third, which nobody reads, makes it a matrix that can be inverted.
+CameraMatrices Perspective::matrices(int width, int height) const {
+  const double up = 1 / (2 * double(half_height_)), aspect = double(width) / double(height);
+  return {frame_.matrix(), frame_.matrix({up / aspect, 0, 0, 0,                                           //
+                                          0, -up, 0, 0,                                                   //
+                                          0.5 - double(shift_x_) / aspect, 0.5 + double(shift_y_), 1, 1,  //
+                                          0, 0, -1, 0})};
 }
 
 namespace {

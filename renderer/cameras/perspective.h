@@ -15,8 +15,11 @@ class Perspective {
   // The point of the image plane at depth 1 behind a film position, as a vector from origin(): right, up, forward.
   Vec3f image_point(Vec2f film, int width, int height) const;
   Vec3f to_world(Vec3f v) const { return frame_.to_world(v); }
+  // At right angles to the image plane, however that is shifted; found from the point at that depth on it.
+  Ray axis(float depth) const;
   // The film position behind which a world position lies; nothing if it is not in front.
   std::optional<Vec2f> project(Vec3d position, int width, int height) const;
+  CameraMatrices matrices(int width, int height) const;
   // Depth of a world position along the view direction.
   float depth(Vec3f position) const { return dot(position - origin(), frame_.forward()); }
 

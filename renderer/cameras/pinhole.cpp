@@ -18,6 +18,7 @@ class Pinhole : public Camera {
     return ray;
   }
   bool has_lens() const override { return false; }
+  Ray axis(float, int, int) const override { return perspective_.axis(1); }
   float footprint(Vec3f position, int width, int height) const override {
     return perspective_.footprint(position, width, height);
   }
@@ -26,6 +27,9 @@ class Pinhole : public Camera {
   }
   std::optional<Vec2f> project(Vec3d position, int width, int height) const override {
     return perspective_.project(position, width, height);
+  }
+  std::optional<CameraMatrices> matrices(int width, int height) const override {
+    return perspective_.matrices(width, height);
   }
 
  private:

@@ -40,8 +40,12 @@ class ThinLens : public Camera {
   std::pair<float, float> footprint_range(Vec3f center, float radius, int width, int height) const override {
     return perspective_.footprint_range(center, radius, width, height);
   }
+  Ray axis(float, int, int) const override { return perspective_.axis(focus_); }
   std::optional<Vec2f> project(Vec3d position, int width, int height) const override {
     return perspective_.project(position, width, height);
+  }
+  std::optional<CameraMatrices> matrices(int width, int height) const override {
+    return perspective_.matrices(width, height);
   }
 
  private:

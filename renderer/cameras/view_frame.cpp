@@ -25,4 +25,17 @@ ViewFrame::ViewFrame(Params& params, Vec3d usual_from, Vec3d usual_to) {
   up_ = Vec3f(cross(right, forward));
 }
 
+CameraMatrices::Matrix ViewFrame::matrix() const {
+  const Vec3d r(right_), u(up_), f(forward_), o = to_view({});
+  return {r.x, u.x, f.x, 0, r.y, u.y, f.y, 0, r.z, u.z, f.z, 0, o.x, o.y, o.z, 1};
+}
+
+CameraMatrices::Matrix ViewFrame::matrix(const CameraMatrices::Matrix& to_picture) const {
+  const CameraMatrices::Matrix to_camera = matrix();
+  CameraMatrices::Matrix result{};
+  for (std::size_t i = 0; i < 16; ++i)
+    for (std::size_t k = 0; k < 4; ++k) result[i] += to_camera[i / 4 * 4 + k] * to_picture[k * 4 + i % 4];
+  return result;
+}
+
 }  // namespace meristem

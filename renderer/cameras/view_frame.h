@@ -19,6 +19,10 @@ class ViewFrame {
     const Vec3d v = position - Vec3d(origin_);
     return {dot(v, Vec3d(right_)), dot(v, Vec3d(up_)), dot(v, Vec3d(forward_))};
   }
+  // What to_view() does as a matrix for other programs;
+  CameraMatrices::Matrix matrix() const;
+  // and followed by another, from right, up, forward to the picture.
+  CameraMatrices::Matrix matrix(const CameraMatrices::Matrix& to_picture) const;
 
  private:
   Vec3d target_;

@@ -228,7 +228,7 @@ class ImageRender {
     const RenderSettings& r = settings();
     FilmInfo result{identity(), {sample_range()}, r.width, r.height, loaded_.scene->names, {}, history_};
     result.history.push_back(history_line(s, samples_before_, end));
-    result.metadata = render_metadata(s, r, options_, result, end);
+    result.metadata = render_metadata(s, *loaded_.scene, options_, result, end);
     return result;
   }
 

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <ctime>
 
 namespace meristem {
@@ -17,6 +18,12 @@ std::string range_text(const std::vector<SampleRange>& ranges) {
   std::vector<std::string> texts;
   for (const SampleRange& r : ranges) texts.push_back(fmt::format("{}:{}", r.first, r.last));
   return fmt::format("{}", fmt::join(texts, ","));
+}
+
+std::string matrix_text(const CameraMatrices::Matrix& matrix) {
+  std::array<float, 16> numbers;
+  std::ranges::transform(matrix, numbers.begin(), [](double x) { return float(x) + 0.f; });  // -0 becomes 0
+  return fmt::format("{}", fmt::join(numbers, " "));
 }
 
 void replace(Metadata& metadata, const std::string& name, std::string value) {
@@ -50,8 +57,9 @@ std::string history_line(const RenderStatistics& s, std::uint64_t before, const 
                      end);
 }
 
-Metadata render_metadata(const RenderStatistics& s, const RenderSettings& settings, const RenderOptions& options,
+Metadata render_metadata(const RenderStatistics& s, const Scene& scene, const RenderOptions& options,
                          const FilmInfo& info, const char* end) {
+  const RenderSettings& settings = scene.settings;
   Metadata metadata = image_metadata(s);
   const auto add = [&](const char* name, const auto& value) {
     metadata.emplace_back(fmt::format("meristem:{}", name), fmt::format("{}", value));
@@ -76,6 +84,10 @@ Metadata render_metadata(const RenderStatistics& s, const RenderSettings& settin
   add("cells_evicted", s.expansion.evicted);
   add("faces", s.expansion.faces);
   add("ended", end);
+  if (const auto matrices = scene.camera->matrices(settings.width, settings.height)) {
+    metadata.emplace_back("worldToCamera", matrix_text(matrices->world_to_camera));
+    if (matrices->world_to_picture) metadata.emplace_back("worldToNDC", matrix_text(*matrices->world_to_picture));
+  }
   add_samples_and_history(metadata, info);
   return metadata;
 }

@@ -16,7 +16,7 @@ const char* end_name(RenderEnd end);  // "complete", "time limit", "interrupted"
 std::string history_line(const RenderStatistics& s, std::uint64_t before, const char* end);
 
 // Everything: scene, settings, command, samples, times, memory, what expansion did, history.
-Metadata render_metadata(const RenderStatistics& s, const RenderSettings& settings, const RenderOptions& options,
+Metadata render_metadata(const RenderStatistics& s, const Scene& scene, const RenderOptions& options,
                          const FilmInfo& info, const char* end);
 
 // Of a film that was merged from several.

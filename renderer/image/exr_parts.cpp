@@ -12,6 +12,7 @@
 #include <cstring>
 #include <exception>
 #include <span>
+#include <sstream>
 
 namespace meristem {
 
@@ -79,7 +80,7 @@ class ExrFile {
   ExrFile& operator=(const ExrFile&) = delete;
 
   void add_header(const ExrPart& part, const ExrFrame& frame);
-  void add_text(int part_index, const Metadata& metadata);
+  void add_metadata(int part_index, const Metadata& metadata);
   void end_headers(int part_count);
   // Returns how many values were clamped.
   std::size_t add_blocks(int part_index, const ExrPart& part, int first_row);
@@ -87,6 +88,7 @@ class ExrFile {
   const std::string& bytes() const { return bytes_; }
 
  private:
+  void add_matrix(int part_index, const std::string& name, const std::string& numbers);
   void check(exr_result_t result) const {
     if (result != EXR_ERR_SUCCESS)
       throw FileError(fmt::format("cannot write {}: {}", path_, exr_get_default_error_message(result)));
@@ -113,12 +115,22 @@ void ExrFile::add_header(const ExrPart& part, const ExrFrame& frame) {
   // Rec.709 primaries and the white D65 (ITU-R BT.709-6, item 1.3)
   const exr_attr_chromaticities_t rec709{0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
   if (part.color) check(exr_attr_set_chromaticities(context_, index, "chromaticities", &rec709));
-  add_text(index, part.metadata);
+  add_metadata(index, part.metadata);
 }
 
-void ExrFile::add_text(int part_index, const Metadata& metadata) {
+void ExrFile::add_metadata(int part_index, const Metadata& metadata) {
   for (const auto& [name, value] : metadata)
-    check(exr_attr_set_string(context_, part_index, name == "DateTime" ? "capDate" : name.c_str(), value.c_str()));
+    if (name == "worldToCamera" || name == "worldToNDC")
+      add_matrix(part_index, name, value);
+    else
+      check(exr_attr_set_string(context_, part_index, name == "DateTime" ? "capDate" : name.c_str(), value.c_str()));
+}
+
+void ExrFile::add_matrix(int part_index, const std::string& name, const std::string& numbers) {
+  std::istringstream text(numbers);
+  exr_attr_m44f_t matrix{};
+  for (float& number : matrix.m) text >> number;
+  if (text) check(exr_attr_set_m44f(context_, part_index, name.c_str(), &matrix));
 }
 
 void ExrFile::end_headers(int part_count) {
@@ -197,7 +209,7 @@ std::size_t write_exr_parts(const std::string& path, const std::vector<ExrPart>&
   for (const ExrPart& part : parts) check_part(part, parts[0].image);
   ExrFile file(path);
   for (const ExrPart& part : parts) file.add_header(part, frame);
-  file.add_text(0, metadata);
+  file.add_metadata(0, metadata);
   file.end_headers(int(parts.size()));
   std::size_t outside = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) outside += file.add_blocks(int(i), parts[i], frame.y);

@@ -26,7 +26,9 @@ struct Image {
 
 Image read_image(const std::string& path, const std::string& part = "");
 
-using Metadata = std::vector<std::pair<std::string, std::string>>;  // name, value
+// Names and values. In EXR files "DateTime" gets its name there, and "worldToCamera" and "worldToNDC", 16 numbers each,
+// are matrices.
+using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 enum class ImageFormat { Exr, Png, Jpeg, Tiff };
 

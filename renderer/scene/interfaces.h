@@ -9,6 +9,7 @@
 #include "geometry/base/transform.h"
 #include "renderer/scene/light_bounds.h"
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -51,6 +52,15 @@ struct PixelCone {
   float width = 0, spread = 0;
 };
 
+// What other programs know of a camera, as OpenEXR's attributes worldToCamera and worldToNDC have it: matrices by rows,
+// for points that stand as rows before them. In the space of the camera x points right, y up and z into the picture; on
+// the picture (0, 0) is its upper left corner and (1, 1) its lower right one.
+struct CameraMatrices {
+  using Matrix = std::array<double, 16>;
+  Matrix world_to_camera;
+  std::optional<Matrix> world_to_picture;  // nothing if the camera maps lines to curves
+};
+
 class Camera {
  public:
   virtual ~Camera() = default;
@@ -76,10 +86,20 @@ class Camera {
   }
   // Whether it looks along one axis, by which depth is measured; else it sees all around, and depth is distance.
   virtual bool has_axis() const { return true; }
+  // The axis, from where the camera stands at a time from 0 to 1 of the shutter: through the middle of the image,
+  // unless that is shifted.
+  virtual Ray axis(float time, int width, int height) const {
+    return ray({{0.5f * float(width), 0.5f * float(height)}, {0.5f, 0.5f}, time}, width, height);
+  }
   // Where on the film a world position is seen when the shutter opens, from the middle of the lens; nothing if it is
   // not in front of the camera, or the camera does not know.
   virtual std::optional<Vec2f> project(Vec3d position, int width, int height) const {
     (void)position, (void)width, (void)height;
+    return std::nullopt;
+  }
+  // The same for other programs; nothing if the camera does not know.
+  virtual std::optional<CameraMatrices> matrices(int width, int height) const {
+    (void)width, (void)height;
     return std::nullopt;
   }
 };

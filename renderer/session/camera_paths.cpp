@@ -4,16 +4,14 @@ namespace meristem {
 
 namespace {
 
-// Through the middle of the image and of the lens.
-Ray central_ray(const Scene& scene, float time) {
-  const RenderSettings& s = scene.settings;
-  return scene.camera->ray({{0.5f * float(s.width), 0.5f * float(s.height)}, {0.5f, 0.5f}, time}, s.width, s.height);
+Ray axis_at(const Scene& scene, float time) {
+  return scene.camera->axis(time, scene.settings.width, scene.settings.height);
 }
 
 }  // namespace
 
 CameraPaths::CameraPaths(const Scene& scene)
-    : scene_(scene), filter_(*scene.filter), view_axis_(central_ray(scene, 0)), has_lens_(scene.camera->has_lens()) {}
+    : scene_(scene), filter_(*scene.filter), view_axis_(axis_at(scene, 0)), has_lens_(scene.camera->has_lens()) {}
 
 CameraPaths::Start CameraPaths::start(const PixelSample& sample, Sampler& sampler) const {
   const RenderSettings& settings = scene_.settings;
@@ -36,7 +34,7 @@ void CameraPaths::measure(FilmSample& sample) const {
   if (!sample.first || !sample.first->hit.valid()) return;
   const SurfaceHit& hit = sample.first->hit;
   const float time = sample.first->time;
-  const Ray axis = scene_.moves ? central_ray(scene_, time) : view_axis_;
+  const Ray axis = scene_.moves ? axis_at(scene_, time) : view_axis_;
   const Vec3f from_camera = hit.position - axis.origin;
   sample.depth = scene_.camera->has_axis() ? dot(from_camera, axis.direction) : length(from_camera);
   const RenderSettings& s = scene_.settings;

@@ -62,6 +62,37 @@ def check_cryptomatte(program):
     assert abs(covered - sum(coverage for _, coverage in ranks)) < 1e-4, covered
 
 
+def check_camera_matrices(program):
+    """A position in the world is seen in the pixel that shows it, by the matrices that compositors read."""
+    size = (160, 90)
+    program.run("render", "ball.jsonc", "-o", "camera.exr", "--aov", "P,Z", "--size", "160x90", "--samples", "4",
+                "--set", '/render/filter={"type": "box"}', "--set", "/camera/shift_x=0.2", "-q", "--crop",
+                "20,10,140,80")
+    text = oiiotool(program.folder, "--info", "-v", "camera.exr")
+    numbers = {name: [float(n) for n in values.replace(",", " ").split()]
+               for name, values in re.findall(r"(worldTo\w+): ([-+.e\d, ]+)", text)}
+    to_camera, to_ndc = numbers["worldToCamera"], numbers["worldToNDC"]
+
+    def moved(position, matrix):
+        row = [*position, 1]
+        x, y, z, w = (sum(row[k] * matrix[4 * k + column] for k in range(4)) for column in range(4))
+        return x / w, y / w, z / w
+
+    depths = pixels(program.folder, "camera.exr", 1)
+    positions = pixels(program.folder, "camera.exr", 2)
+    shown = 0
+    for i, depth in enumerate(depths):
+        if not 0 < depth < 100:  # nothing is seen, or it is not in the crop
+            continue
+        position = positions[3 * i:3 * i + 3]
+        x, y, _ = moved(position, to_ndc)
+        pixel = (i % size[0], i // size[0])
+        assert abs(x * size[0] - pixel[0] - 0.5) < 0.501 and abs(y * size[1] - pixel[1] - 0.5) < 0.501, (pixel, x, y)
+        assert abs(moved(position, to_camera)[2] - depth) < 1e-4, (pixel, depth)
+        shown += 1
+    assert shown > 500, shown
+
+
 def check_crop(program):
     whole = program.digest("render", "ball.jsonc", "-o", "whole.exr", "--float")
     crop = program.digest("render", "ball.jsonc", "-o", "crop.exr", "--float", "--crop", "4,2,12,8")
@@ -138,6 +169,7 @@ def main():
         program = Program(sys.argv[1], folder)
         check_parts(program)
         check_cryptomatte(program)
+        check_camera_matrices(program)
         check_crop(program)
         check_display(program)
         check_denoised(program)

@@ -34,6 +34,7 @@ TEST(Orthographic, ShowsItsHeight) {
 TEST(Orthographic, ProjectFindsTheFilmPositionOfARay) {
   const auto c = make<Camera>(register_orthographic, R"({ "from": [3, 2, 5], "to": [0, 1.5, 0], "height": 0.5 })");
   expect_projection_back(*c, {{160, 100}, {10.25f, 20}, {-40, 300}}, width, height);
+  expect_matrices(*c, width, height);
   const Ray ray = c->ray({{160, 100}, {}}, width, height);
   EXPECT_FALSE(c->project(Vec3d(ray.origin - ray.direction), width, height));
 }

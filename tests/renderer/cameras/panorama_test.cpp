@@ -33,6 +33,7 @@ TEST(Panorama, LooksAllAround) {
 TEST(Panorama, ProjectFindsTheFilmPositionOfARay) {
   const auto c = make<Camera>(register_panorama, R"({ "from": [1, 2, 3], "to": [4, 3, -2] })");
   expect_projection_back(*c, {{200, 100}, {10.25f, 20}, {395, 190}}, width, height);
+  expect_matrices(*c, width, height);
 }
 
 TEST(Panorama, FootprintIsTheDistanceBetweenPixelsAtTheHorizon) {

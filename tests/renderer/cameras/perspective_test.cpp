@@ -48,6 +48,7 @@ TEST(Pinhole, ShiftMovesTheImageByItsHeight) {
 TEST(Pinhole, ProjectFindsTheFilmPositionOfARay) {
   const auto camera = make<Camera>(register_pinhole, "{" + view + R"(, "shift_y": 0.25, "shift_x": -0.5 })");
   expect_projection_back(*camera, {{160, 100}, {10.25f, 20}, {310, 190.5f}, {-40, 300}}, width, height);
+  expect_matrices(*camera, width, height);
   const Ray ray = camera->ray({{160, 100}, {}}, width, height);
   EXPECT_FALSE(camera->project(Vec3d(ray.origin - ray.direction), width, height));
 }

@@ -53,6 +53,15 @@ TEST(ExrParts, AnotherProgramSeesTypesNamesWindowsAndMetadata) {
     EXPECT_NE(said.find(part), std::string::npos) << part << "\nin\n" << said;
 }
 
+TEST(ExrParts, MatricesOfTheCameraAreMatrices) {
+  const ScratchFolder folder;
+  write_exr_parts(folder / "a.exr", {{"beauty", {"R", "G", "B"}, ramp(6, 4, 3, 1)}}, {0, 0, 6, 4},
+                  {{"worldToCamera", "1 0 0 0 0 1 0 0 0 0 1 0 2 3 4.5 1"}, {"worldToNDC", "no matrix"}});
+  const std::string said = said_by_oiiotool(folder / "a.exr");
+  EXPECT_NE(said.find("worldToCamera: 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 2, 3, 4.5, 1"), std::string::npos) << said;
+  EXPECT_EQ(said.find("no matrix"), std::string::npos) << said;
+}
+
 // Blocks of 16 rows, the last one shorter; those that do not become smaller stay as they are.
 TEST(ExrParts, NoiseAndManyRowsComeBack) {
   const ScratchFolder folder;
