@@ -279,7 +279,7 @@ class Walk {
       const Light& light = *scene_.lights[i];
       const Vec3f direction = s_.ray.direction;
       if (s_.last_pdf == 0) {
-        s_.sum += s_.throughput * light.background(direction, s_.spread);
+        if (light.seen_by_camera()) s_.sum += s_.throughput * light.background(direction, s_.spread);
         continue;
       }
       const EscapedLight escaped = light.escaped(direction);

@@ -11,6 +11,7 @@ class Constant : public Light {
     const Vec3d color = params.color("color", {1, 1, 1}, "radiance");
     const double intensity = params.real("intensity", 1, not_negative, "scales the colour");
     radiance_ = Spectrum(color * intensity);
+    visible_ = params.boolean("visible", true, "whether the camera sees it, else nothing; mirrors do anyway");
   }
 
   LightSample sample(Vec3f, Vec2f random) const override {
@@ -24,9 +25,11 @@ class Constant : public Light {
   EscapedLight escaped(Vec3f) const override { return {radiance_, uniform_cone_pdf(2)}; }
   float environment_power() const override { return luminance(radiance_) * 4 * pi_f; }
   bool is_uniform() const override { return true; }
+  bool seen_by_camera() const override { return visible_; }
 
  private:
   Spectrum radiance_;
+  bool visible_ = true;
 };
 
 }  // namespace

@@ -24,6 +24,7 @@ class ImageEnvironment : public Light {
     const double intensity = params.real("intensity", 1, not_negative, "scales the image");
     const double rotation = params.real("rotation", 0, {-360, 360, "deg"}, "turn around the vertical");
     filter_ = float(params.real("filter", 0.5, {0, 100, ""}, "width of the camera's lookups in pixels; 0: a point"));
+    visible_ = params.boolean("visible", true, "whether the camera sees it, else nothing; mirrors do anyway");
     turn_ = float(rotation / 360);
     if (params.describing()) return;
     load(params, file, Spectrum(color * intensity));
@@ -46,6 +47,7 @@ class ImageEnvironment : public Light {
   bool has_texture() const override { return filter_ > 0; }
 
   float environment_power() const override { return flux_; }
+  bool seen_by_camera() const override { return visible_; }
 
  private:
   void load(Params& params, const std::string& file, Spectrum scale) {
@@ -111,6 +113,7 @@ class ImageEnvironment : public Light {
   Distribution2D distribution_;
   float filter_ = 0;
   float turn_ = 0;  // rotation / 360 degrees
+  bool visible_ = true;
   float flux_ = 0;  // luminance integrated over all directions
 };
 

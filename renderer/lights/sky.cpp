@@ -36,6 +36,7 @@ class Sky : public Light {
     const double sun_size = params.real("sun_size", 0.533, {0.01, 60, "deg"}, "angular diameter of the sun");
     ground_albedo_ =
         min(params.color("ground_albedo", {0.25, 0.24, 0.22}, "colour of the ground below the horizon"), Vec3d(1.0));
+    visible_ = params.boolean("visible", true, "whether the camera sees it, else nothing; mirrors do anyway");
     const double e = elevation * pi / 180, a = azimuth * pi / 180, radius = sun_size * pi / 360;
     to_sun_ = Vec3d{std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)};
     sun_azimuth_ = float(std::atan2(to_sun_.x, to_sun_.z));
@@ -70,6 +71,7 @@ class Sky : public Light {
   }
 
   float environment_power() const override { return flux_; }
+  bool seen_by_camera() const override { return visible_; }
 
  private:
   static constexpr int columns = 256, rows = 64;  // columns around the whole horizon
@@ -220,6 +222,7 @@ class Sky : public Light {
   static constexpr int sun_rows = 16;
 
   double turbidity_ = 2, intensity_ = 1, sun_intensity_ = 1;
+  bool visible_ = true;
   Vec3d ground_albedo_;
   Vec3d to_sun_;
   float sun_azimuth_ = 0;  // radians from +z towards +x

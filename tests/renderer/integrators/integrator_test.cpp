@@ -149,6 +149,17 @@ TEST_F(Transport, MirrorsShowLampsThatTheCameraDoesNotSee) {
   EXPECT_NEAR(hidden, 16 * ggx::fresnel_dielectric(std::sqrt(0.5f), ggx::eta_of(0.25f)), 0.1);
 }
 
+// Light without a background: for pictures that are laid over others.
+TEST_F(Transport, SurroundingsThatAreHiddenFromTheCameraLightAllTheSame) {
+  add_floor(0);
+  scene.lights.push_back(make<Light>(register_constant));
+  const float lit = radiance({0, 2, 0}, {0, -1, 0}, 256).x;
+  EXPECT_EQ(radiance({0, 2, 0}, {0, 1, 0}, 16).x, 1);
+  scene.lights[0] = make<Light>(register_constant, R"({ "visible": false })");
+  EXPECT_EQ(radiance({0, 2, 0}, {0, 1, 0}, 16).x, 0);
+  EXPECT_EQ(radiance({0, 2, 0}, {0, -1, 0}, 256).x, lit);
+}
+
 TEST_F(Transport, WhiteBallInWhiteSurroundingsIsInvisible) {
   Matte& white = static_cast<Matte&>(*scene.materials[0]);
   white.albedo = Spectrum(1.f);
