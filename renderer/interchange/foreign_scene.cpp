@@ -111,7 +111,7 @@ std::string AssetFolder::path_of(const std::string& name) {
 
 std::string AssetFolder::write(const std::string& name, std::string_view bytes) {
   write_file(path_of(name), bytes);
-  return name_of(name);
+  return name_ + "/" + name;
 }
 
 std::string AssetFolder::copy(const std::string& path, const Location& where, Diagnostics& diagnostics) {
@@ -125,7 +125,7 @@ std::string AssetFolder::copy(const std::string& path, const Location& where, Di
   }
   const std::string base = fs::path(path).filename().string();
   const auto is_taken = [&](const std::string& name) {
-    return std::ranges::any_of(copied_, [&](const auto& c) { return c.second == name_of(name); });
+    return std::ranges::any_of(copied_, [&](const auto& c) { return c.second == name_ + "/" + name; });
   };
   std::string name = base;
   for (int i = 2; is_taken(name); ++i) name = fmt::format("{}-{}", i, base);

@@ -48,7 +48,6 @@ class AssetFolder {
   // Of the same file once; empty, with an error at `where`, if it cannot be read.
   std::string copy(const std::string& path, const Location& where, Diagnostics& diagnostics);
   std::string path_of(const std::string& name);  // for writing there by other means
-  std::string name_of(const std::string& name) const { return name_ + "/" + name; }
 
  private:
   std::string folder_, name_;

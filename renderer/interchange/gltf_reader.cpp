@@ -31,10 +31,7 @@ Affine3d rotation(double x, double y, double z, double w) {
 class GltfReader {
  public:
   GltfReader(const std::string& path, AssetFolder& assets, Diagnostics& diagnostics)
-      : buffers_(path, diagnostics),
-        assets_(assets),
-        diagnostics_(diagnostics),
-        materials_(buffers_, assets, diagnostics) {}
+      : buffers_(path, diagnostics), diagnostics_(diagnostics), materials_(buffers_, assets, diagnostics) {}
 
   ForeignScene read() {
     diagnostics_.throw_if_errors();
@@ -221,20 +218,25 @@ class GltfReader {
     read_triangles(primitive, mesh);
     const std::vector<Vec3f> colors = read_colors(attributes->find("COLOR_0"), mesh.positions.size());
     const bool vary = std::ranges::any_of(colors, [&](Vec3f c) { return c != colors[0]; });
-    // A surface has one pair of coordinates, which textures need
+    // A vertex has one pair of coordinates, which textures need
     const bool have_room = !vary || !has_textures(model.material);
     if (!have_room)
       diagnostics_.warning(attributes->find("COLOR_0")->location,
                            "colours of vertices were left out, since the material has textures");
-    if (vary && have_room) mesh.uv.assign(mesh.positions.size(), {});  // so that corners remember their vertices
+    ColorPlane plane;
+    if (vary && have_room) {
+      plane = nearest_plane(colors);
+      mesh.uv = plane.uv;
+      mesh.welds_by_uv = true;  // where two colours meet they stay apart
+    }
     MeshRepairs repairs;
     model.mesh = to_polygon_mesh(mesh, repairs);
     repairs.report(primitive.location, diagnostics_);
     if (model.mesh->face_count() == 0) return false;
     if (vary && have_room)
-      color_by_vertices(model, colors);
+      color_by_uv(model, plane, attributes->find("COLOR_0")->location);
     else if (!vary && !colors.empty() && colors[0] != Vec3f(1))
-      model.material = tinted(model.material, fmt::format("[{}, {}, {}]", colors[0].x, colors[0].y, colors[0].z));
+      model.material = tinted(model.material, color_text(Vec3d(colors[0])));
     return true;
   }
 
@@ -268,14 +270,20 @@ class GltfReader {
     return known && known->find("textures");
   }
 
-  void color_by_vertices(ForeignModel& model, const std::vector<Vec3f>& colors) {
-    const Image image = patches_of_colors(*model.mesh, colors);
-    const std::string file = model.name + ".exr";
-    write_image(assets_.path_of(file), image);
-    model.material = tinted(model.material, "vertices");
-    const Value texture = json::object({{"file", json::text(assets_.name_of(file))}, {"filter", json::number(0)}});
-    scene_.materials.back().value.members.push_back({"textures", {}, json::object({{"vertices", texture}})});
+  void color_by_uv(ForeignModel& model, const ColorPlane& plane, const Location& where) {
+    constexpr double seen = 0.02;
+    if (plane.error > seen)
+      diagnostics_.warning(where,
+                           fmt::format("colours of vertices that are no mixtures of three were put on a plane of "
+                                       "colours, {:.2g} away in the mean",
+                                       plane.error));
+    std::string text = color_text(plane.corner);
+    if (plane.along_u != Vec3d{}) text += " + u*" + color_text(plane.along_u);
+    if (plane.along_v != Vec3d{}) text += " + v*" + color_text(plane.along_v);
+    model.material = tinted(model.material, fmt::format("({})", text));
   }
+
+  static std::string color_text(Vec3d c) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", c.x, c.y, c.z); }
 
   // The name of a new material: a copy whose base colour is multiplied by an expression.
   std::string tinted(const std::string& name, const std::string& tint) {
@@ -360,7 +368,6 @@ class GltfReader {
   }
 
   GltfBuffers buffers_;
-  AssetFolder& assets_;
   Diagnostics& diagnostics_;
   GltfMaterials materials_;
   ForeignScene scene_;

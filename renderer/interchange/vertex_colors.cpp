@@ -1,34 +1,67 @@
 #include "renderer/interchange/vertex_colors.h"
 
-#include "geometry/base/check.h"
-
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace meristem {
 
-Image patches_of_colors(PolygonMesh& mesh, std::span<const Vec3f> colors) {
-  const std::uint32_t count = mesh.face_count();
-  const std::uint32_t columns = std::max(1u, std::uint32_t(std::ceil(std::sqrt(double(count)))));
-  const std::uint32_t rows = std::max(1u, (count + columns - 1) / columns);
-  Image image{int(2 * columns), int(2 * rows), 3, {}};
-  image.pixels.resize(std::size_t(image.width) * std::size_t(image.height) * 3);
-  mesh.uv.clear();
-  for (std::uint32_t f = 0; f < count; ++f) {
-    const std::size_t first = mesh.face_starts[f];
-    CHECK(mesh.face_starts[f + 1] == first + 3, "face {} is no triangle", f);
-    const auto color = [&](std::size_t corner) { return colors[mesh.corner_uv[first + corner]]; };
-    // The fourth is where it lies on the plane through the other three
-    const Vec3f texels[4] = {color(0), color(1), color(2), color(1) + color(2) - color(0)};
-    for (std::uint32_t t = 0; t < 4; ++t) {
-      const std::uint32_t x = 2 * (f % columns) + t % 2, y = 2 * (f / columns) + t / 2;
-      for (int k = 0; k < 3; ++k)
-        image.pixels[(std::size_t(y) * std::size_t(image.width) + x) * 3 + std::size_t(k)] = texels[t][k];
-      if (t == 3) continue;
-      mesh.uv.push_back({(x + 0.5) / image.width, 1 - (y + 0.5) / image.height});
-      mesh.corner_uv[first + t] = std::uint32_t(mesh.uv.size()) - 1;
-    }
+namespace {
+
+// The direction in which the points spread most, at right angles to `aside`, a unit vector or zero: by power iteration,
+// of which twice as many steps would change nothing that is seen.
+Vec3d widest_direction(std::span<const Vec3d> points, Vec3d aside) {
+  Vec3d rows[3];  // of the covariance
+  for (const Vec3d& p : points)
+    for (int k = 0; k < 3; ++k) rows[k] += p * p[k];
+  const auto beside = [&](Vec3d v) { return v - aside * dot(v, aside); };
+  // From the axis that spreads most
+  Vec3d direction;
+  for (int k = 0; k < 3; ++k) {
+    Vec3d axis;
+    axis[k] = 1;
+    const Vec3d spread =
+        beside(Vec3d{dot(rows[0], beside(axis)), dot(rows[1], beside(axis)), dot(rows[2], beside(axis))});
+    if (length_squared(spread) > length_squared(direction)) direction = spread;
   }
-  return image;
+  constexpr int steps = 200;
+  for (int i = 0; i < steps && length_squared(direction) > 0; ++i) {
+    direction = normalize(direction);
+    direction = beside({dot(rows[0], direction), dot(rows[1], direction), dot(rows[2], direction)});
+  }
+  return length_squared(direction) > 0 ? normalize(direction) : Vec3d{};
+}
+
+}  // namespace
+
+ColorPlane nearest_plane(std::span<const Vec3f> colors) {
+  ColorPlane plane;
+  Vec3d mean;
+  for (const Vec3f c : colors) mean += Vec3d(c) / double(colors.size());
+  std::vector<Vec3d> points;
+  for (const Vec3f c : colors) points.push_back(Vec3d(c) - mean);
+  const Vec3d first = widest_direction(points, {}), second = widest_direction(points, first);
+  plane.uv.resize(colors.size());
+  plane.corner = mean;
+  // Sets one coordinate of all
+  const auto measure = [&](Vec3d direction, double Vec2d::*coordinate) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Vec3d& p : points) low = std::min(low, dot(p, direction)), high = std::max(high, dot(p, direction));
+    constexpr double least = 1e-3;  // a quarter of a step of 8 bits: less is rounding
+    if (!(high - low > least)) return Vec3d{};
+    for (std::size_t i = 0; i < points.size(); ++i)
+      plane.uv[i].*coordinate = (dot(points[i], direction) - low) / (high - low);
+    plane.corner += direction * low;
+    return direction * (high - low);
+  };
+  plane.along_u = measure(first, &Vec2d::x);
+  plane.along_v = measure(second, &Vec2d::y);
+  double squares = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    squares +=
+        length_squared(plane.corner + plane.along_u * plane.uv[i].x + plane.along_v * plane.uv[i].y - Vec3d(colors[i]));
+  plane.error = std::sqrt(squares / double(std::max<std::size_t>(points.size(), 1)));
+  return plane;
 }
 
 }  // namespace meristem

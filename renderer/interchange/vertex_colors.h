@@ -1,16 +1,21 @@
-// Colours of vertices as a texture: base meshes carry no colours, but each face its own u, v. Every triangle gets two
-// by two texels of an image, so that a bilinear look-up between them is the colour between its corners. Pure functions.
+// Colours of vertices as u, v: base meshes carry no colours, but two numbers a vertex, which are straight across faces
+// as colours are. They name a place on the plane that lies nearest to all colours. Pure functions.
 #pragma once
 
-#include "geometry/io/polygon_mesh.h"
-#include "renderer/image/image.h"
+#include "geometry/base/vec.h"
 
 #include <span>
+#include <vector>
 
 namespace meristem {
 
-// Of triangles whose corner_uv are indices into `colors`. Gives every corner u, v of its own in the image, which is for
-// look-ups at points: a mean over more texels would be one over strangers.
-Image patches_of_colors(PolygonMesh& mesh, std::span<const Vec3f> colors);
+// Colours are corner + u * along_u + v * along_v: exactly if they lie on a plane, as mixtures of three do, and greys.
+struct ColorPlane {
+  Vec3d corner, along_u, along_v;
+  std::vector<Vec2d> uv;  // of each colour, in [0, 1]
+  double error = 0;       // root of the mean square distance of colours from the plane
+};
+
+ColorPlane nearest_plane(std::span<const Vec3f> colors);
 
 }  // namespace meristem

@@ -1,9 +1,11 @@
 #include "renderer/interchange/gltf_reader.h"
 
 #include "geometry/base/key.h"
-#include "renderer/image/texture.h"
+#include "geometry/fields/expression.h"
 #include "renderer/interchange/export_scene.h"
+#include "renderer/interchange/foreign_mesh.h"
 #include "renderer/interchange/material_looks.h"
+#include "renderer/interchange/vertex_colors.h"
 #include "tests/renderer/interchange/folder.h"
 
 #include <gtest/gtest.h>
@@ -170,29 +172,51 @@ ForeignScene colored_triangle(const Folder& folder, const std::string& colors, s
   return scene;
 }
 
-TEST(Gltf, ColorsOfVerticesAreATexture) {
+// Three colours lie on a plane, whatever they are.
+TEST(Gltf, ColorsOfVerticesAreReadFromUv) {
   const Folder folder("gltf");
   const ForeignScene scene = colored_triangle(folder, "\xff\x33\x33\xff\x33\xff\x33\xff\x33\x33\xff\xff");
   const ForeignModel& model = scene.models.at(0);
   const auto material = std::ranges::find(scene.materials, model.material, &Member::key);
   ASSERT_NE(material, scene.materials.end());
-  EXPECT_EQ(material->value.find("base_color")->text, "vertices");
-  const Value* texture = material->value.find("textures")->find("vertices");
-  EXPECT_EQ(texture->find("filter")->number, 0) << "a mean would mix triangles";
-  const auto image = open_texture(folder.file(texture->find("file")->text), {});
-  const auto uv = [&](std::size_t corner) { return model.mesh->uv[model.mesh->corner_uv[corner]]; };
-  for (double b = 0; b <= 1; b += 0.25)
-    for (double c = 0; b + c <= 1; c += 0.25) {
-      const double u = uv(0).x * (1 - b - c) + uv(1).x * b + uv(2).x * c;
-      const double v = uv(0).y * (1 - b - c) + uv(1).y * b + uv(2).y * c;
-      const Vec3f color = image->at({float(u), float(v)});
-      EXPECT_NEAR(color.x, 0.2 + 0.8 * (1 - b - c), 2e-3) << b << ", " << c;
-      EXPECT_NEAR(color.y, 0.2 + 0.8 * b, 2e-3) << b << ", " << c;
-      EXPECT_NEAR(color.z, 0.2 + 0.8 * c, 2e-3) << b << ", " << c;
-    }
+  Symbols symbols;
+  symbols.add("u", ValueType::Scalar, "");
+  symbols.add("v", ValueType::Scalar, "");
+  const auto color = Expression::compile(material->value.find("base_color")->text, symbols, ValueType::Vector);
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const Vec2d uv = model.mesh->uv[model.mesh->corner_uv[corner]];
+    const Vec3f values[] = {Vec3f(float(uv.x)), Vec3f(float(uv.y))};
+    const Vec3f found = color->evaluate_vector(values);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k], std::size_t(k) == corner ? 1 : 0.2, 1e-5) << corner;
+  }
 }
 
-TEST(Gltf, OneColorOfAllVerticesNeedsNoTexture) {
+TEST(VertexColors, PlanesAreFoundAndDistancesTold) {
+  std::vector<Vec3f> greys, cube;
+  for (int i = 0; i <= 4; ++i) greys.push_back(Vec3f(0.2f * float(i)));
+  const ColorPlane line = nearest_plane(greys);
+  EXPECT_LT(line.error, 1e-6);
+  EXPECT_EQ(line.along_v, Vec3d{});
+  EXPECT_NEAR(std::abs(line.uv[1].x - line.uv[0].x), 0.25, 1e-6);
+  for (int i = 0; i < 8; ++i) cube.push_back({float(i & 1), float(i >> 1 & 1), float(i >> 2 & 1)});
+  EXPECT_NEAR(nearest_plane(cube).error, 0.5, 1e-6) << "of a cube any third direction is lost";
+}
+
+// A hard edge between two colours stays one where the surface is smooth: one vertex would have their mean.
+TEST(ForeignMesh, VerticesMayStayApartByTheirUv) {
+  ForeignMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  mesh.normals.assign(6, {0, 0, 1});
+  mesh.uv = {{0, 0}, {0, 0}, {0, 0}, {1, 0}, {1, 0}, {1, 0}};
+  mesh.add_face({0, 1, 2});
+  mesh.add_face({3, 4, 5});
+  MeshRepairs repairs;
+  EXPECT_EQ(to_polygon_mesh(mesh, repairs).positions.size(), 4u);
+  mesh.welds_by_uv = true;
+  EXPECT_EQ(to_polygon_mesh(mesh, repairs).positions.size(), 6u);
+}
+
+TEST(Gltf, OneColorOfAllVerticesNeedsNoCoordinates) {
   const Folder folder("gltf");
   std::string warning;
   const ForeignScene scene =
