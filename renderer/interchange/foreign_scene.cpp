@@ -23,7 +23,12 @@ std::string obj_text(const PolygonMesh& mesh) {
   const auto out = std::back_inserter(text);
   for (const Vec3d& p : mesh.positions) fmt::format_to(out, "v {} {} {}\n", p.x, p.y, p.z);
   for (const Vec2d& uv : mesh.uv) fmt::format_to(out, "vt {} {}\n", uv.x, uv.y);
+  std::string_view group;
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    if (const std::string& name = mesh.names[mesh.face_names[f]]; name != group) {
+      fmt::format_to(out, "g {}\n", name);
+      group = name;
+    }
     text += 'f';
     for (std::uint32_t c = mesh.face_starts[f]; c < mesh.face_starts[f + 1]; ++c)
       if (mesh.corner_uv[c] == PolygonMesh::none)
@@ -63,6 +68,11 @@ Value model_value(const ForeignModel& model, AssetFolder& assets) {
   if (model.mesh)
     value.members[0].value = json::object(
         {{"type", json::text("mesh")}, {"file", json::text(assets.write(model.name + ".obj", obj_text(*model.mesh)))}});
+  if (!model.symbols.empty()) {
+    Value symbols = json::object({});
+    for (const auto& [name, symbol] : model.symbols) symbols.members.push_back({name, {}, json::text(symbol)});
+    value.members[0].value.members.push_back({"symbols", {}, std::move(symbols)});
+  }
   if (!model.material.empty()) value.members.push_back({"material", {}, json::text(model.material)});
   if (!model.steps.empty()) value.members.push_back({"steps", {}, json::array(model.steps)});
   return value;

@@ -16,8 +16,9 @@ namespace meristem {
 // A base mesh with its steps.
 struct ForeignModel {
   std::string name, material;
-  std::optional<PolygonMesh> mesh;  // becomes a file; or
-  Value base;                       // a base as a scene file has it
+  std::optional<PolygonMesh> mesh;                                // becomes a file, with
+  std::vector<std::pair<std::string, std::string>> symbols = {};  // of its faces by their names; or
+  Value base;                                                     // a base as a scene file has it
   std::vector<Value> steps;
 };
 

@@ -271,15 +271,21 @@ class GltfReader {
   }
 
   void color_by_uv(ForeignModel& model, const ColorPlane& plane, const Location& where) {
-    constexpr double seen = 0.02;
-    if (plane.error > seen)
-      diagnostics_.warning(where,
-                           fmt::format("colours of vertices that are no mixtures of three were put on a plane of "
-                                       "colours, {:.2g} away in the mean",
-                                       plane.error));
     std::string text = color_text(plane.corner);
     if (plane.along_u != Vec3d{}) text += " + u*" + color_text(plane.along_u);
     if (plane.along_v != Vec3d{}) text += " + v*" + color_text(plane.along_v);
+    if (plane.aside != Vec3d{}) {
+      text += " + p0*" + color_text(plane.aside);
+      const DistancesOfFaces distances = name_faces_by_distance(*model.mesh, plane);
+      for (std::size_t i = 0; i < distances.by_name.size(); ++i)
+        model.symbols.emplace_back(model.mesh->names[i], fmt::format("color({:.6g})", distances.by_name[i]));
+      constexpr double seen = 0.02;
+      if (distances.error > seen)
+        diagnostics_.warning(where,
+                             fmt::format("colours of vertices were simplified by face; they are off by {:.2g} in "
+                                         "the mean",
+                                         distances.error));
+    }
     model.material = tinted(model.material, fmt::format("({})", text));
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 namespace meristem {
 
@@ -43,25 +44,50 @@ ColorPlane nearest_plane(std::span<const Vec3f> colors) {
   const Vec3d first = widest_direction(points, {}), second = widest_direction(points, first);
   plane.uv.resize(colors.size());
   plane.corner = mean;
-  // Sets one coordinate of all
-  const auto measure = [&](Vec3d direction, double Vec2d::*coordinate) {
+  // Calls set(i, coordinate) for all points; returns the way from 0 to 1
+  const auto measure = [&](Vec3d direction, const auto& set) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const Vec3d& p : points) low = std::min(low, dot(p, direction)), high = std::max(high, dot(p, direction));
     constexpr double least = 1e-3;  // a quarter of a step of 8 bits: less is rounding
     if (!(high - low > least)) return Vec3d{};
-    for (std::size_t i = 0; i < points.size(); ++i)
-      plane.uv[i].*coordinate = (dot(points[i], direction) - low) / (high - low);
+    for (std::size_t i = 0; i < points.size(); ++i) set(i, (dot(points[i], direction) - low) / (high - low));
     plane.corner += direction * low;
     return direction * (high - low);
   };
-  plane.along_u = measure(first, &Vec2d::x);
-  plane.along_v = measure(second, &Vec2d::y);
-  double squares = 0;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    squares +=
-        length_squared(plane.corner + plane.along_u * plane.uv[i].x + plane.along_v * plane.uv[i].y - Vec3d(colors[i]));
-  plane.error = std::sqrt(squares / double(std::max<std::size_t>(points.size(), 1)));
+  plane.along_u = measure(first, [&](std::size_t i, double x) { plane.uv[i].x = x; });
+  plane.along_v = measure(second, [&](std::size_t i, double x) { plane.uv[i].y = x; });
+  plane.distance.resize(colors.size());
+  plane.aside = measure(cross(first, second), [&](std::size_t i, double x) { plane.distance[i] = x; });
   return plane;
+}
+
+DistancesOfFaces name_faces_by_distance(PolygonMesh& mesh, const ColorPlane& plane) {
+  constexpr int levels = 64;
+  constexpr std::uint32_t unused = PolygonMesh::none;
+  std::vector<std::uint32_t> names(levels, unused);
+  DistancesOfFaces result;
+  mesh.names.clear();
+  double squares = 0;
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::uint32_t begin = mesh.face_starts[f], end = mesh.face_starts[f + 1];
+    double middle = 0;
+    for (std::uint32_t c = begin; c < end; ++c) middle += plane.distance[mesh.corner_uv[c]] / double(end - begin);
+    const int level = int(std::lround(std::clamp(middle, 0.0, 1.0) * (levels - 1)));
+    const double distance = double(level) / (levels - 1);
+    std::uint32_t& name = names[std::size_t(level)];
+    if (name == unused) {
+      name = std::uint32_t(mesh.names.size());
+      mesh.names.push_back("color" + std::to_string(level));
+      result.by_name.push_back(distance);
+    }
+    mesh.face_names[f] = name;
+    for (std::uint32_t c = begin; c < end; ++c) {
+      const double off = plane.distance[mesh.corner_uv[c]] - distance;
+      squares += off * off;
+    }
+  }
+  result.error = length(plane.aside) * std::sqrt(squares / double(std::max<std::size_t>(mesh.corner_uv.size(), 1)));
+  return result;
 }
 
 }  // namespace meristem

@@ -1,21 +1,31 @@
-// Colours of vertices as u, v: base meshes carry no colours, but two numbers a vertex, which are straight across faces
-// as colours are. They name a place on the plane that lies nearest to all colours. Pure functions.
+// Colours of vertices in what base meshes carry: two numbers a vertex, u and v, which are straight across faces as
+// colours are, and parameters a face. u and v name a place on the plane that lies nearest to all colours; the distance
+// from it is kept by face. Pure functions.
 #pragma once
 
-#include "geometry/base/vec.h"
+#include "geometry/io/polygon_mesh.h"
 
 #include <span>
 #include <vector>
 
 namespace meristem {
 
-// Colours are corner + u * along_u + v * along_v: exactly if they lie on a plane, as mixtures of three do, and greys.
+// Colours are corner + u * along_u + v * along_v + distance * aside. Mixtures of three colours lie on a plane, greys on
+// a line: what does not vary is zero.
 struct ColorPlane {
-  Vec3d corner, along_u, along_v;
-  std::vector<Vec2d> uv;  // of each colour, in [0, 1]
-  double error = 0;       // root of the mean square distance of colours from the plane
+  Vec3d corner, along_u, along_v, aside;
+  std::vector<Vec2d> uv;         // of each colour, in [0, 1]
+  std::vector<double> distance;  // likewise
 };
 
 ColorPlane nearest_plane(std::span<const Vec3f> colors);
+
+// Gives faces names by the mean distance of their corners, rounded to one of 64; `corner_uv` of the mesh are indices of
+// colours. `error`: the root of the mean square of what colours at corners are off by.
+struct DistancesOfFaces {
+  std::vector<double> by_name;
+  double error = 0;
+};
+DistancesOfFaces name_faces_by_distance(PolygonMesh& mesh, const ColorPlane& plane);
 
 }  // namespace meristem

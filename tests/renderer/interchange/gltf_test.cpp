@@ -191,15 +191,36 @@ TEST(Gltf, ColorsOfVerticesAreReadFromUv) {
   }
 }
 
-TEST(VertexColors, PlanesAreFoundAndDistancesTold) {
+TEST(VertexColors, PlanesAreFoundAndDistancesFromThem) {
   std::vector<Vec3f> greys, cube;
   for (int i = 0; i <= 4; ++i) greys.push_back(Vec3f(0.2f * float(i)));
   const ColorPlane line = nearest_plane(greys);
-  EXPECT_LT(line.error, 1e-6);
   EXPECT_EQ(line.along_v, Vec3d{});
+  EXPECT_EQ(line.aside, Vec3d{});
   EXPECT_NEAR(std::abs(line.uv[1].x - line.uv[0].x), 0.25, 1e-6);
   for (int i = 0; i < 8; ++i) cube.push_back({float(i & 1), float(i >> 1 & 1), float(i >> 2 & 1)});
-  EXPECT_NEAR(nearest_plane(cube).error, 0.5, 1e-6) << "of a cube any third direction is lost";
+  const ColorPlane plane = nearest_plane(cube);
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Vec3d found =
+        plane.corner + plane.along_u * plane.uv[i].x + plane.along_v * plane.uv[i].y + plane.aside * plane.distance[i];
+    EXPECT_LT(length(found - Vec3d(cube[i])), 1e-6) << i;
+  }
+}
+
+// Faces of other colours than a plane holds tell them by their names, as far as a face has one.
+TEST(VertexColors, FacesAreNamedByTheirDistanceFromThePlane) {
+  ColorPlane plane;
+  plane.aside = {0, 0, 0.5};
+  plane.distance = {0, 0, 0, 1, 1, 0};
+  PolygonMesh mesh;
+  mesh.face_starts = {0, 3, 6};
+  mesh.corner_positions = mesh.corner_uv = {0, 1, 2, 3, 4, 5};
+  mesh.face_names = {0, 0};
+  const DistancesOfFaces distances = name_faces_by_distance(mesh, plane);
+  EXPECT_EQ(mesh.names, (std::vector<std::string>{"color0", "color42"}));  // 63 * 2/3
+  EXPECT_EQ(mesh.face_names, (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_NEAR(distances.by_name[1], 2. / 3, 1e-9);
+  EXPECT_NEAR(distances.error, 0.5 / 3, 1e-9);
 }
 
 // A hard edge between two colours stays one where the surface is smooth: one vertex would have their mean.
