@@ -215,6 +215,8 @@ class GltfReader {
     }
     if (mesh.normals.size() != mesh.positions.size()) mesh.normals.clear();
     if (mesh.uv.size() != mesh.positions.size()) mesh.uv.clear();
+    // One vertex would have the mean of both sides of a seam
+    mesh.welds_by_uv = !mesh.uv.empty() && has_textures(model.material);
     read_triangles(primitive, mesh);
     const std::vector<Vec3f> colors = read_colors(attributes->find("COLOR_0"), mesh.positions.size());
     const bool vary = std::ranges::any_of(colors, [&](Vec3f c) { return c != colors[0]; });

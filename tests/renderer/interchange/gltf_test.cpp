@@ -272,6 +272,34 @@ TEST(Gltf, ErrorsSayWhere) {
   EXPECT_EQ(first("\"VEC3\"", "\"VEC2\""), "expected an accessor of 3 numbers an item, found 2");
 }
 
+// Two triangles of a smooth square whose diagonal is a seam: a texture needs both u of its vertices.
+TEST(Gltf, SeamsOfTexturesStay) {
+  const Folder folder("gltf");
+  const float positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0};
+  const float normals[] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+  const float uv[] = {0, 0, 0.5f, 0, 0, 1, 1, 0, 1, 1, 0.5f, 1};
+  const auto bytes_of = [](const auto& values) {
+    return std::string(reinterpret_cast<const char*>(&values[0]), sizeof values);
+  };
+  folder.write("square.bin", bytes_of(positions) + bytes_of(normals) + bytes_of(uv));
+  folder.write("bark.png", "");
+  const std::string text =
+      R"({ "asset": { "version": "2.0" }, "scenes": [ { "nodes": [ 0 ] } ], "nodes": [ { "mesh": 0 } ],
+  "meshes": [ { "primitives": [ { "attributes": { "POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2 }, "material": 0 } ] } ],
+  "materials": [ { "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } } ],
+  "images": [ { "uri": "bark.png" } ], "textures": [ { "source": 0 } ],
+  "accessors": [ { "bufferView": 0, "componentType": 5126, "count": 6, "type": "VEC3" },
+                 { "bufferView": 1, "componentType": 5126, "count": 6, "type": "VEC3" },
+                 { "bufferView": 2, "componentType": 5126, "count": 6, "type": "VEC2" } ],
+  "bufferViews": [ { "buffer": 0, "byteLength": 72 }, { "buffer": 0, "byteOffset": 72, "byteLength": 72 },
+                   { "buffer": 0, "byteOffset": 144, "byteLength": 48 } ],
+  "buffers": [ { "uri": "square.bin", "byteLength": 192 } ] })";
+  EXPECT_EQ(read(folder.write("square.gltf", text)).models.at(0).mesh->positions.size(), 6u);
+  std::string plain = text;
+  plain.replace(plain.find("baseColorTexture"), 4, "none");
+  EXPECT_EQ(read(folder.write("plain.gltf", plain)).models.at(0).mesh->positions.size(), 4u) << "shades smoothly";
+}
+
 TEST(Gltf, AnImageThatIsMissingIsAnErrorAtItsPlace) {
   const Folder folder("gltf");
   folder.write("triangle.bin", triangle_bytes());
