@@ -125,18 +125,24 @@ std::string Diagnostic::formatted() const {
 SceneErrors::SceneErrors(std::vector<Diagnostic> list)
     : std::runtime_error(all_formatted(list)), list_(std::move(list)) {}
 
+// What is found again is not said again: a model is read for each of its seeds.
+bool Diagnostics::is_said(Diagnostic::Severity severity, const Location& where, const std::string& message) const {
+  return std::ranges::any_of(list_, [&](const Diagnostic& d) {
+    return d.severity == severity && d.location.source == where.source && d.location.offset == where.offset &&
+           d.message == message;
+  });
+}
+
 void Diagnostics::error(const Location& where, std::string message) {
+  ++errors_found_;
+  if (is_said(Diagnostic::Severity::Error, where, message)) return;
   if (list_.size() + 1 == max_diagnostics) message = "too many errors; the others are not listed";
   if (list_.size() < max_diagnostics) list_.push_back({Diagnostic::Severity::Error, where, std::move(message)});
 }
 
 void Diagnostics::warning(const Location& where, std::string message) {
-  // What is found again is not said again: a model is read for each of its seeds
-  const auto is_said = [&](const Diagnostic& d) {
-    return d.severity == Diagnostic::Severity::Warning && d.location.source == where.source &&
-           d.location.offset == where.offset && d.message == message;
-  };
-  if (std::ranges::any_of(list_, is_said)) return;
+  ++warnings_found_;
+  if (is_said(Diagnostic::Severity::Warning, where, message)) return;
   // Half of the room is kept for errors, which decide whether the scene is used
   if (list_.size() < max_diagnostics / 2) list_.push_back({Diagnostic::Severity::Warning, where, std::move(message)});
 }

@@ -50,15 +50,22 @@ class SceneErrors : public std::runtime_error {
 
 class Diagnostics {
  public:
+  // Both say what is found again at the same place once, and list no more than some hundred.
   void error(const Location& where, std::string message);
   void warning(const Location& where, std::string message);
   bool has_errors() const;
+  // How many were found so far, listed or not.
+  std::size_t errors_found() const { return errors_found_; }
+  std::size_t found() const { return errors_found_ + warnings_found_; }
   const std::vector<Diagnostic>& list() const { return list_; }
   // Throws SceneErrors with the whole list, sorted by place, if it holds an error.
   void throw_if_errors() const;
 
  private:
+  bool is_said(Diagnostic::Severity severity, const Location& where, const std::string& message) const;
+
   std::vector<Diagnostic> list_;
+  std::size_t errors_found_ = 0, warnings_found_ = 0;
 };
 
 // The candidate nearest to word by edit distance, or an empty view when none is near (more than a third of its letters

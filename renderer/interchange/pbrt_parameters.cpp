@@ -38,9 +38,9 @@ void PbrtParameters::read_values(PbrtTokens& tokens, PbrtParameter& parameter) {
     if (token.kind == PbrtToken::Kind::Close) return;
     if (token.kind == PbrtToken::Kind::End || token.kind == PbrtToken::Kind::Open)
       return diagnostics_.error(parameter.where, "the list of values has no closing bracket");
-    const std::size_t errors = diagnostics_.list().size();
+    const std::size_t found_before = diagnostics_.found();
     add_value(token, parameter);
-    if (diagnostics_.list().size() > errors) {  // one message a list
+    if (diagnostics_.found() > found_before) {  // one message a list
       while (tokens.peek().kind != PbrtToken::Kind::Close && tokens.peek().kind != PbrtToken::Kind::End) tokens.next();
     }
   }

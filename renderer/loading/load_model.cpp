@@ -26,7 +26,7 @@ class ModelBuilder {
         value_(value) {}
 
   std::shared_ptr<const Model> build() {
-    const std::size_t errors_before = diagnostics_.list().size();
+    const std::size_t errors_before = diagnostics_.errors_found();
     Params params(value_, fmt::format("model \"{}\"", name_), diagnostics_);
     const ModelSection section = read_model(params);
     params.finish();
@@ -37,10 +37,10 @@ class ModelBuilder {
     if (context_.levels > 0 && std::size_t(context_.levels) < steps_.size())
       steps_.resize(std::size_t(context_.levels));
     symbols_->report_terminals(diagnostics_);
-    if (has_errors_since(errors_before)) return nullptr;
+    if (diagnostics_.errors_found() > errors_before) return nullptr;
     symbols_->report_unreachable(diagnostics_);
     check_corner_counts(base, steps_, diagnostics_);
-    if (has_errors_since(errors_before)) return nullptr;
+    if (diagnostics_.errors_found() > errors_before) return nullptr;
     try {
       return std::make_shared<const Model>(seed_name(), std::move(base), std::move(steps_), context_.cells);
     } catch (const std::runtime_error& error) {
@@ -52,16 +52,9 @@ class ModelBuilder {
  private:
   std::string seed_name() const { return fmt::format("{}#{:x}", name_, seed_); }
 
-  bool has_errors_since(std::size_t first) const {
-    const auto& list = diagnostics_.list();
-    for (std::size_t i = first; i < list.size(); ++i)
-      if (list[i].severity == Diagnostic::Severity::Error) return true;
-    return false;
-  }
-
   Mesh build_base(const ModelSection& section, Params& params) {
     const int material = context_.material_index(section.material, params.location_of("material"));
-    const std::size_t said_before = diagnostics_.list().size();
+    const std::size_t found_before = diagnostics_.found();
     const auto shape = all_components().bases.create(*section.base, "", diagnostics_);
     if (!shape) return {};
     const Value* type = section.base->find("type");
@@ -78,7 +71,7 @@ class ModelBuilder {
     for (int symbol = 0; symbol < symbols_->size(); ++symbol) symbols_->put_on_base(symbol);
     if (const std::string defect = manifold_defect(mesh); !defect.empty())
       diagnostics_.error(section.base->location, fmt::format("the base mesh is not a manifold: {}", defect));
-    else if (mesh.face_count() == 0 && diagnostics_.list().size() == said_before)  // else it has been said why
+    else if (mesh.face_count() == 0 && diagnostics_.found() == found_before)  // else it has been said why
       diagnostics_.error(section.base->location, "the base mesh has no faces");
     return mesh;
   }

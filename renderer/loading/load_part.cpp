@@ -145,11 +145,11 @@ void PartLibrary::add_object(const Value& value, std::vector<Placement>& placeme
         value.location, fmt::format("an object is {{\"model\": name, ...}}, found {}", value.kind_name()));
   TimeScope opening(shutter_.opens);
   Diagnostics& diagnostics = context_->diagnostics;
-  const std::size_t found_before = diagnostics.list().size();
+  const std::size_t found_before = diagnostics.found();
   Params params(value, "object", diagnostics);
   const ObjectSection section = read_object(params, scene_.material_index);
   params.finish();
-  const bool moves = opening.was_read() && shutter_.is_open() && diagnostics.list().size() == found_before;
+  const bool moves = opening.was_read() && shutter_.is_open() && diagnostics.found() == found_before;
   const auto made =
       part({section.model, section.seed, section.counts, section.materials.then(materials_)}, params, "model");
   if (!made) return;

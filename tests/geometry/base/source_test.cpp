@@ -98,13 +98,18 @@ TEST(Diagnostics, WhatIsFoundAgainIsSaidOnce) {
   diagnostics.warning(begin.advanced(1), "odd");
   diagnostics.warning(begin, "strange");
   EXPECT_EQ(diagnostics.list().size(), 3u);
+  for (int i = 0; i < 3; ++i) diagnostics.error(begin, "odd");
+  EXPECT_EQ(diagnostics.list().size(), 4u) << "as an error once more";
+  EXPECT_EQ(diagnostics.errors_found(), 3u);
+  EXPECT_EQ(diagnostics.found(), 8u);
 }
 
 TEST(Diagnostics, StopsListingAfterTooManyAndSaysSo) {
   Diagnostics diagnostics;
   for (int i = 0; i < 100000; ++i) diagnostics.warning({}, "odd" + std::to_string(i));
   EXPECT_FALSE(diagnostics.has_errors());
-  for (int i = 0; i < 100000; ++i) diagnostics.error({}, "wrong");
+  for (int i = 0; i < 100000; ++i) diagnostics.error({}, "wrong" + std::to_string(i));
+  EXPECT_EQ(diagnostics.errors_found(), 100000u);
   EXPECT_TRUE(diagnostics.has_errors());
   EXPECT_LE(diagnostics.list().size(), 200u);
   EXPECT_EQ(diagnostics.list().back().message, "too many errors; the others are not listed");

@@ -78,7 +78,7 @@ TEST_F(ParamsExpressionTest, GoesOnWithTheDefaultAfterAnError) {
   EXPECT_EQ(scalar(text("lne")), 7);
   EXPECT_EQ(vector(text("lne")), Vec3f(7, 8, 9));
   EXPECT_EQ(vector(array({number(1), text("lne"), number(0)})), Vec3f(7, 8, 9));
-  EXPECT_EQ(diagnostics_.list().size(), 3u);
+  EXPECT_EQ(diagnostics_.errors_found(), 3u);
 }
 
 TEST_F(ParamsExpressionTest, ReportsWrongForms) {

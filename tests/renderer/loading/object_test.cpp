@@ -60,6 +60,19 @@ TEST(Objects, ShareAModelWhenTheyCountAlike) {
   EXPECT_NE(objects.list[0].part, objects.list[3].part);
 }
 
+// It is read for each seed; what is wrong is said once, and nothing comes of it, however often it is found.
+TEST(Objects, AModelThatIsWrongIsReportedOnce) {
+  std::string text;
+  for (int seed = 0; seed < 300; ++seed)
+    text += fmt::format("{}{{ \"model\": \"m\", \"seed\": {} }}", seed ? ", " : "[ ", seed);
+  const Objects objects(
+      text + " ]", R"json({ "m": { "base": { "type": "box" }, "steps": [ { "subdivide": 1, "place": "Q" } ] } })json");
+  ASSERT_EQ(objects.diagnostics.list().size(), 1u);
+  EXPECT_NE(objects.first_message().find("unknown variable"), std::string::npos);
+  EXPECT_EQ(objects.diagnostics.errors_found(), 300u);
+  EXPECT_TRUE(objects.list.empty());
+}
+
 TEST(Objects, WrongCountsAreRefused) {
   EXPECT_EQ(Objects(R"json([ { "model": "stem", "counts": [1, 1, 1, 1] } ])json").first_message(),
             "the model has 3 steps; \"counts\" has 4 numbers");
