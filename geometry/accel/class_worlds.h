@@ -52,7 +52,9 @@ class RayRoute::Steps {
   const ClassWorld* next(RTCRay& ray, bool has_met);
   bool is_last() const { return !route_.far_ || step_ > 1; }
   // The ray begins again where it began.
-  void end(RTCRay& ray) const { ray.tnear = begin_; }
+  void end(RTCRay& ray) const {
+    if (step_ > 0) ray.tnear = begin_;
+  }
 
  private:
   const RayRoute route_;

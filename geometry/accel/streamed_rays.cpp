@@ -92,21 +92,24 @@ void StreamedRays::Traveller::begin(RayQuery& query, StreamedRays& rays) {
 }
 
 // Finds a leg through all objects of the next world, or lists those that may be entered, or goes through it alone.
-bool StreamedRays::Traveller::enter_world(Leg& leg) {
+bool StreamedRays::Traveller::enter_class_world(Leg& leg) {
   RayContext& context = tracing_->context;
   RTCRay& ray = tracing_->query.ray;
   if (steps_->is_last()) {
-    if (world_->braided) return find_leg(*world_->braided, visited_[0], leg);
-    if (const auto few = world_->objects->entered(*context.tree_ray, ray.tnear, ray.tfar, entered_)) {
+    if (class_world_->braided) {
+      find_leg(*class_world_->braided, visited_[0], leg);
+      return true;
+    }
+    if (const auto few = class_world_->objects->entered(*context.tree_ray, ray.tnear, ray.tfar, entered_)) {
       count_ = *few;
       return false;
     }
   }
   const Aside aside(*rays_, *query_, context.use);
   if (any)
-    world_->objects->occluded(context, ray);
+    class_world_->objects->occluded(context, ray);
   else
-    world_->objects->intersect(context, tracing_->query);
+    class_world_->objects->intersect(context, tracing_->query);
   return false;
 }
 
@@ -136,10 +139,10 @@ bool StreamedRays::Traveller::next(Leg& leg) {
   }
   for (;;) {
     while (!has_ended() && at_ < count_ && entered_[at_].t <= tracing_->query.ray.tfar)
-      if (visit(*world_->objects, entered_[at_++].box, tracing_->query, visited_[0], leg)) return true;
+      if (visit(*class_world_->objects, entered_[at_++].box, tracing_->query, visited_[0], leg)) return true;
     at_ = count_ = 0;
-    if (!(world_ = steps_->next(tracing_->query.ray, has_met()))) return false;
-    if (enter_world(leg)) return true;
+    if (!(class_world_ = steps_->next(tracing_->query.ray, has_met()))) return false;
+    if (enter_class_world(leg)) return true;
   }
 }
 
@@ -147,20 +150,22 @@ bool StreamedRays::Traveller::next(Leg& leg) {
 bool StreamedRays::Traveller::visit(const Instances& all, std::uint32_t index, RTCRayHit& outside, Visited& visited,
                                     Leg& leg) {
   visited.visit.emplace(all.instance(index), all.place_of(index), tracing_->context, outside);
-  if (const Passage* const passage = visited.visit->root().passage()) return find_leg(*passage, visited, leg);
+  if (const Passage* const passage = visited.visit->root().passage()) {
+    find_leg(*passage, visited, leg);
+    return true;
+  }
   go_alone_into(*visited.visit);
   visited.visit.reset();
   return false;
 }
 
-bool StreamedRays::Traveller::find_leg(const Passage& passage, Visited& visited, Leg& leg) {
+void StreamedRays::Traveller::find_leg(const Passage& passage, Visited& visited, Leg& leg) {
   const RTCRay& ray = visited.visit ? visited.visit->ray().ray : tracing_->query.ray;
   visited.passage = &passage;
   leg = passage.leg();
   leg.ray = tracing_->context.tree_ray;
   leg.t_min = ray.tnear;
   t_max = ray.tfar;
-  return true;
 }
 
 void StreamedRays::Traveller::met(std::uint32_t tree, const TreeHit& hit) {

@@ -1,8 +1,8 @@
 // StreamedRays: rays of one thread that go through the world together.
 //
 // Those that go nearly the same way go through it as packets, others as a stream. Their ways lead through braided cells
-// and flat surfaces of the world's objects. What is not resident, or stands in instances within an object, each enters
-// by itself while the others wait.
+// and flat surfaces of the world's objects, and of what is placed in these. What is not resident, or placed deeper than
+// legs nest, each enters by itself while the others wait.
 #pragma once
 
 #include "geometry/accel/class_worlds.h"
@@ -49,8 +49,8 @@ class StreamedRays final : public RayStream {
     bool has_met() const { return any ? has_ended() : tracing_->context.has_hit; }
     bool has_ended() const { return any && tracing_->query.ray.tfar < 0; }
     bool visit(const Instances& all, std::uint32_t index, RTCRayHit& outside, Visited& visited, Leg& leg);
-    bool enter_world(Leg& leg);
-    bool find_leg(const Passage& passage, Visited& visited, Leg& leg);
+    bool enter_class_world(Leg& leg);
+    void find_leg(const Passage& passage, Visited& visited, Leg& leg);
     void go_alone();
     void go_alone_into(Instance::Visit& visit);
     RTCRayHit& query() {  // in the frame in which it is
@@ -63,8 +63,8 @@ class StreamedRays final : public RayStream {
     RayQuery* query_ = nullptr;
     std::optional<Tracing> tracing_;
     std::optional<RayRoute> route_;
-    std::optional<RayRoute::Steps> steps_;  // none: it goes alone
-    const ClassWorld* world_ = nullptr;     // in which it is
+    std::optional<RayRoute::Steps> steps_;     // none: it goes alone
+    const ClassWorld* class_world_ = nullptr;  // in which it is
     FewBoxes::List entered_;
     std::size_t count_ = 0, at_ = 0;                // of these
     std::array<Visited, 1 + most_nested> visited_;  // an object, and instances one in the other
