@@ -225,7 +225,8 @@ class World final : public Intersector {
     }
   }
 
-  // What is kept must leave a part of the budget to what will be expanded, and braids cost a few hundredths.
+  // What is kept must leave a part of the budget to what will be expanded, and to braids: a few hundredths, of what is
+  // placed up to a third.
   bool has_room_to_keep() const {
     constexpr double most_kept = 0.75;
     const CacheStatistics c = cache_.statistics();

@@ -61,22 +61,16 @@ TEST(RayPacket, PacketsNest) {
   const Twigs twigs;
   const Boughs boughs(twigs);
   const Braid all(twigs.list(), {});
-  int nested = 0, alone = 0;
+  Climbed climbed;
   for (const float spread : {0.002f, 0.2f, 3.f})
     for (const std::size_t together : {1, 5, 8}) {
       const std::vector<Traveller> fresh = travellers(1500, {}, spread);
-      std::vector<Climber> rays;
-      for (const Traveller& ray : fresh) rays.emplace_back(boughs.root(), ray);
+      std::vector<Climber> rays = climbers(boughs, fresh);
       trace(rays, together);
-      for (std::size_t k = 0; k < rays.size(); ++k) {
-        Nearest expected(fresh[k].t_max);
-        expect_met_as_alone(all, rays[k], fresh[k], expected);
-        nested += rays[k].legs_inside;
-        alone += rays[k].entered_alone;
-      }
+      climbed.expect_met_as_alone(all, rays, fresh);
     }
-  EXPECT_GT(nested, 3000);
-  EXPECT_GT(alone, 3000);
+  EXPECT_GT(climbed.nested, 3000);
+  EXPECT_GT(climbed.alone, 3000);
 }
 
 // What is in a box may have to be expanded: only for a ray that needs it.

@@ -81,18 +81,12 @@ TEST(RayStream, LegsNest) {
   const Boughs boughs(twigs);
   const Braid all(twigs.list(), {});
   const std::vector<Traveller> fresh = travellers(3000, {});
-  std::vector<Climber> rays;
-  for (const Traveller& ray : fresh) rays.emplace_back(boughs.root(), ray);
+  std::vector<Climber> rays = climbers(boughs, fresh);
   Stream(rays).run();
-  int nested = 0, alone = 0;
-  for (Key k = 0; k < rays.size(); ++k) {
-    Nearest expected(fresh[k].t_max);
-    expect_met_as_alone(all, rays[k], fresh[k], expected);
-    nested += rays[k].legs_inside;
-    alone += rays[k].entered_alone;
-  }
-  EXPECT_GT(nested, 3000);
-  EXPECT_GT(alone, 1000);
+  Climbed climbed;
+  climbed.expect_met_as_alone(all, rays, fresh);
+  EXPECT_GT(climbed.nested, 3000);
+  EXPECT_GT(climbed.alone, 1000);
 }
 
 TEST(RayStream, EndsWhereThereAreNoRaysOrNoWays) {

@@ -166,4 +166,24 @@ void expect_met_as_alone(const Braid& braid, const Ray& ray, const Traveller& fr
   ASSERT_EQ(ray.nearest, alone.nearest);
 }
 
+// Climbers that have met what their rays, as `fresh` has them, meet in one braid of all twigs, and how they went.
+struct Climbed {
+  int nested = 0, alone = 0;
+
+  void expect_met_as_alone(const Braid& all, const std::vector<Climber>& rays, const std::vector<Traveller>& fresh) {
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+      Nearest expected(fresh[k].t_max);
+      meristem::expect_met_as_alone(all, rays[k], fresh[k], expected);
+      nested += rays[k].legs_inside;
+      alone += rays[k].entered_alone;
+    }
+  }
+};
+
+inline std::vector<Climber> climbers(const Boughs& boughs, const std::vector<Traveller>& like) {
+  std::vector<Climber> rays;
+  for (const Traveller& ray : like) rays.emplace_back(boughs.root(), ray);
+  return rays;
+}
+
 }  // namespace meristem
