@@ -67,7 +67,7 @@ BraidedCells::BraidedCells(Strands strands)
 Braid BraidedCells::braid() const {
   std::vector<Braid::Tree> trees;
   trees.reserve(surfaces_.size());
-  for (const Surface& s : surfaces_) trees.push_back({&s.patch->tree(), s.patch->tessellation().positions.data()});
+  for (const Surface& s : surfaces_) trees.push_back({&s.patch->tree(), s.patch->positions()});
   std::vector<Bounds3f> boxes;
   boxes.reserve(placed_.size() + missing_.size());
   for (const Placed& p : placed_) boxes.push_back(p.all->instance(p.index).known_bounds());

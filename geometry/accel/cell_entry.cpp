@@ -50,10 +50,10 @@ RaySpan span_of(const RTCRay& ray) {
 }
 
 CellEntry::CellEntry(std::unique_ptr<SurfacePatch> patch, Key key)
-    : patch_(std::move(patch)), key_(key), real_bounds_(patch_->tessellation().bounds()) {
+    : patch_(std::move(patch)), key_(key), real_bounds_(patch_->vertices().bounds()) {
   bytes = with_gaps(patch_->bytes() + sizeof(*this));
   label.is_surface = true;
-  label.tree_bytes = patch_->bytes() - patch_->tessellation().bytes();
+  label.tree_bytes = sizeof(SurfacePatch) + patch_->tree().bytes();
 }
 
 CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner, std::shared_ptr<KnownChildren> known)

@@ -40,6 +40,7 @@ void append(Tessellation& all, const Tessellation& part) {
   const auto first_vertex = std::uint32_t(all.positions.size());
   const auto first_origin = std::uint32_t(all.origins.size());
   const auto first_leaf = std::uint32_t(all.leaves.size());
+  all.has_uv |= part.has_uv;
   all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
   all.attributes.insert(all.attributes.end(), part.attributes.begin(), part.attributes.end());
   all.leaves.insert(all.leaves.end(), part.leaves.begin(), part.leaves.end());
@@ -57,14 +58,18 @@ void append(Tessellation& all, const Tessellation& part) {
 // Expands the tree of cells below one, appending every final surface in the order of the cells.
 class Flattener {
  public:
-  Flattener(const Model& model, ExpansionCounts& counts, int threads)
-      : model_(model), counts_(counts), threads_(threads) {}
+  Flattener(const Model& model, ExpansionCounts& counts, const UvReaders& uv_readers, int threads)
+      : model_(model), counts_(counts), uv_readers_(uv_readers), threads_(threads) {}
 
   Tessellation flatten(CellMesh cell, int level) {
     const auto start = std::chrono::steady_clock::now();
-    Expansion expansion = expand(model_, std::move(cell), level);
+    Expansion expansion = expand(model_, std::move(cell), level, uv_readers_);
     counts_.add(model_, expansion, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    if (expansion.leaf) return std::move(*expansion.leaf);
+    if (expansion.leaf) {
+      expansion.leaf->positions.shrink_to_fit();
+      expansion.leaf->attributes.shrink_to_fit();
+      return std::move(*expansion.leaf);
+    }
     const InnerCell& inner = *expansion.inner;
     std::vector<Tessellation> parts(inner.child_count());
     auto flatten_child = [&](std::size_t i) { parts[i] = flatten(child_cell(model_, inner, i), inner.level); };
@@ -73,6 +78,7 @@ class Flattener {
     else
       for (std::size_t i = 0; i < parts.size(); ++i) flatten_child(i);
     Tessellation all;
+    all.has_uv = false;
     for (Tessellation& part : parts) {
       append(all, part);
       part = {};
@@ -83,15 +89,17 @@ class Flattener {
  private:
   const Model& model_;
   ExpansionCounts& counts_;
+  const UvReaders& uv_readers_;
   const int threads_;
 };
 
 }  // namespace
 
-std::unique_ptr<ModelRoot> make_flat_root(const RootSource& source, ExpansionCounts& counts, int threads) {
+std::unique_ptr<ModelRoot> make_flat_root(const RootSource& source, ExpansionCounts& counts,
+                                          const UvReaders& uv_readers, int threads) {
   const Model& model = *source.part->model;
   CellMesh root = root_cell(model, source.footprint.get(), source.individual);
-  Tessellation all = Flattener(model, counts, threads).flatten(std::move(root), 0);
+  Tessellation all = Flattener(model, counts, uv_readers, threads).flatten(std::move(root), 0);
   return std::make_unique<FlatRoot>(std::move(all), model, source.bounds);
 }
 

@@ -22,6 +22,7 @@ Tessellation box_of(const Bounds3f& b, Key key) {
                  {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   t.triangle_sources.assign(t.triangles.size(), {0, 0});
   t.leaves = {{}};
+  t.has_uv = false;
   t.origins.add({.key = key});
   return t;
 }
@@ -145,7 +146,7 @@ template <class Cut>
 ExpandedCell LazyRoot::expanded(const Cut& cut, int level) const {
   CellMesh mesh = cut();
   const std::int32_t symbol = mesh.mesh.origins[mesh.mesh.face_origins[0]].symbol;
-  return {expand(model(), std::move(mesh), level), symbol};
+  return {expand(model(), std::move(mesh), level, roots_.uv_readers()), symbol};
 }
 
 std::unique_ptr<CacheEntry> LazyRoot::make_root_entry() const {

@@ -8,22 +8,24 @@ namespace meristem {
 
 namespace {
 
-constexpr std::size_t arrays = 7 + FaceOrigins::arrays;
+constexpr std::size_t arrays = 5 + SurfaceVertices::arrays + FaceOrigins::arrays;
 
 // What stands before the arrays of a surface in the file.
 struct Header {
   std::array<std::uint64_t, arrays> sizes;
   std::uint64_t face_count;
+  SurfaceVertices::Layout vertices;
   CellLabel label;
 };
 static_assert(std::is_trivially_copyable_v<Header>);
 
 // Calls visit(array, i) for each array of a surface and its tree.
-template <class Surface, class Nodes, class Visit>
-void for_each_array(Surface& s, Nodes& nodes, const Visit& visit) {
-  visit(s.positions, 0), visit(s.attributes, 1), visit(s.grids, 2), visit(s.triangles, 3);
-  visit(s.triangle_sources, 4), visit(s.leaves, 5), visit(nodes, 6);
-  FaceOrigins::for_each_array(s.origins, 7, visit);
+template <class Faces, class Vertices, class Nodes, class Visit>
+void for_each_array(Faces& faces, Vertices& vertices, Nodes& nodes, const Visit& visit) {
+  visit(faces.grids, 0), visit(faces.triangles, 1), visit(faces.triangle_sources, 2), visit(faces.leaves, 3);
+  visit(nodes, 4);
+  SurfaceVertices::for_each_array(vertices, 5, visit);
+  FaceOrigins::for_each_array(faces.origins, 5 + SurfaceVertices::arrays, visit);
 }
 
 template <class T>
@@ -40,14 +42,13 @@ LeafStore::~LeafStore() {
 }
 
 void LeafStore::keep(Key name, const SurfacePatch& patch, const CellLabel& label) {
-  const Tessellation& surface = patch.tessellation();
   {
     const std::lock_guard lock(mutex_);
     if (blocks_.contains(name)) return;
   }
-  Header header{{}, surface.face_count, label};
+  Header header{{}, patch.faces().face_count, patch.vertices().layout(), label};
   std::vector<iovec> parts{{&header, sizeof(header)}};
-  for_each_array(surface, patch.tree().nodes(), [&](const auto& values, std::size_t i) {
+  for_each_array(patch.faces(), patch.vertices(), patch.tree().nodes(), [&](const auto& values, std::size_t i) {
     header.sizes[i] = values.size();
     parts.push_back(part_of(values));
   });
@@ -70,18 +71,19 @@ std::optional<LeafStore::Leaf> LeafStore::find(Key name) const {
   }
   Header header;
   if (!file_.read(block, 0, {{&header, sizeof(header)}})) return {};
-  Tessellation surface;
+  SurfaceFaces faces;
+  SurfaceVertices vertices;
   std::vector<SurfaceTree::Node> nodes;
-  surface.face_count = header.face_count;
-  surface.positions.reserve(header.sizes[0] + 1);  // as tessellate() does
+  faces.face_count = header.face_count;
+  vertices.set_layout(header.vertices);
   std::vector<iovec> parts;
-  for_each_array(surface, nodes, [&](auto& values, std::size_t i) {
+  for_each_array(faces, vertices, nodes, [&](auto& values, std::size_t i) {
     values.resize(header.sizes[i]);
     parts.push_back(part_of(values));
   });
   if (!file_.read(block, sizeof(header), std::move(parts))) return {};
   file_.count_read_back();
-  return Leaf{std::make_unique<SurfacePatch>(std::move(surface), std::move(nodes)), header.label};
+  return Leaf{std::make_unique<SurfacePatch>(std::move(faces), std::move(vertices), std::move(nodes)), header.label};
 }
 
 }  // namespace meristem

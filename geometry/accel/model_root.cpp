@@ -14,7 +14,7 @@ std::optional<Affine3d> from_world(const RayContext::Frame* frame) {
 
 HitRank rank_of(const SurfacePatch& patch, const TreeHit& hit, Key path, Key key) {
   const SurfaceTree::Triangle triangle = patch.tree().triangle(hit.triangle);
-  return {path, tie_key(patch.tessellation().positions.data(), triangle.corners), key};
+  return {path, tie_key(patch.positions(), triangle.corners), key};
 }
 
 // Of a hit as far as the nearest so far. Rare.
@@ -54,10 +54,7 @@ bool take_hit(const SurfacePatch& patch, Key key, const TreeHit& hit, RayContext
 
 StreamRay::Leg SurfacePassage::leg() const {
   const SurfaceTree& tree = patch_.tree();
-  return {nullptr,
-          0,
-          {nullptr, nullptr},
-          {tree.nodes().data(), tree.triangles(), patch_.tessellation().positions.data(), 0, 0}};
+  return {nullptr, 0, {nullptr, nullptr}, {tree.nodes().data(), tree.triangles(), patch_.positions(), 0, 0}};
 }
 
 void SurfacePassage::met(std::uint32_t, const TreeHit& hit, RayContext& context, RTCRay& ray) const {

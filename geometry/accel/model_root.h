@@ -7,6 +7,7 @@
 #include "geometry/accel/surface_patch.h"
 #include "geometry/base/transform.h"
 #include "geometry/cells/part.h"
+#include "geometry/cells/uv_readers.h"
 #include "geometry/tree/ray_stream.h"
 
 #include <optional>
@@ -170,6 +171,7 @@ std::size_t largest_chain_bytes(const std::vector<const ModelRoot*>& roots);
 // Expands every cell of the lazy roots among those given and of all that stands in them, on `threads` threads.
 void expand_everything(std::vector<const ModelRoot*> roots, int threads);
 // The whole final mesh as one patch.
-std::unique_ptr<ModelRoot> make_flat_root(const RootSource& source, ExpansionCounts& counts, int threads);
+std::unique_ptr<ModelRoot> make_flat_root(const RootSource& source, ExpansionCounts& counts,
+                                          const UvReaders& uv_readers, int threads);
 
 }  // namespace meristem

@@ -37,7 +37,7 @@ std::size_t Roots::most_known_bytes(const GeometryCache& cache) {
 
 std::unique_ptr<ModelRoot> Roots::make(RootSource source) {
   const bool is_surface = source.part->model && !source.part->placer;
-  if (mode_ == ExpandMode::Flat && is_surface) return make_flat_root(source, counts_, threads_);
+  if (mode_ == ExpandMode::Flat && is_surface) return make_flat_root(source, counts_, uv_readers_, threads_);
   return make_lazy_root(std::move(source), *this, cache_, counts_, scratch_);
 }
 

@@ -29,9 +29,10 @@ using GroundTable = PlanTable<ExpandedCell, std::size_t(16) << 20>;
 class Roots {
  public:
   // Cache, counts and scratch file must outlive it.
-  Roots(ExpandMode mode, int threads, GeometryCache& cache, ExpansionCounts& counts, ScratchFile* scratch = nullptr)
-      : mode_(mode),
-        threads_(threads),
+  Roots(const WorldOptions& options, GeometryCache& cache, ExpansionCounts& counts, ScratchFile* scratch = nullptr)
+      : mode_(options.mode),
+        threads_(options.threads),
+        uv_readers_(options.uv_readers),
         cache_(cache),
         counts_(counts),
         scratch_(scratch),
@@ -45,6 +46,7 @@ class Roots {
   std::unique_ptr<Instances> place(const std::vector<Placement>& placements,
                                    const std::shared_ptr<const Footprint>& footprint, CacheEntry* parent,
                                    Key individual, bool are_objects, std::uint32_t first = 0);
+  const UvReaders& uv_readers() const { return uv_readers_; }
   // Of cells of all roots, after they were evicted.
   KnownCells& known() { return known_; }
   // Cells of ground that were expanded of late. What stands on one ground is placed by several placers and for several
@@ -70,6 +72,7 @@ class Roots {
 
   const ExpandMode mode_;
   const int threads_;
+  const UvReaders uv_readers_;
   GeometryCache& cache_;
   ExpansionCounts& counts_;
   ScratchFile* const scratch_;

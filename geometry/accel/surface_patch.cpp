@@ -7,10 +7,6 @@ namespace meristem {
 
 namespace {
 
-// x, y, z in lanes; the fourth is not used.
-__m128 load(const Vec3f& v) {
-  return _mm_movelh_ps(_mm_loadl_pi(_mm_setzero_ps(), reinterpret_cast<const __m64*>(&v.x)), _mm_load_ss(&v.z));
-}
 void store(__m128 v, Vec3f& to) {
   _mm_storel_pi(reinterpret_cast<__m64*>(&to.x), v);
   _mm_store_ss(&to.z, _mm_movehl_ps(v, v));
@@ -52,12 +48,20 @@ struct UnpackedAttributes {
   __m128 normals[3];
   __m128 uvs[3];  // the first two lanes
 
-  UnpackedAttributes(const PackedAttributes& a, const PackedAttributes& b, const PackedAttributes& c,
+  // Without u, v they are all zero.
+  UnpackedAttributes(const SurfaceVertices& vertices, const std::array<std::uint32_t, 3>& corners,
                      const UvFrame& frame) {
-    auto packed = [](const PackedAttributes& p) { return _mm_loadl_epi64(reinterpret_cast<const __m128i*>(&p)); };
-    const __m128i first = packed(a), second = packed(b), third = packed(c);
-    unpack_uvs(first, second, third, frame);
-    unpack_normals(first, second, third);
+    const auto words = [&](int k) { return vertices.attributes(corners[std::size_t(k)]); };
+    if (vertices.has_uv()) {
+      const auto both = [&](int k) { return _mm_loadl_epi64(reinterpret_cast<const __m128i*>(words(k))); };
+      const __m128i first = both(0), second = both(1), third = both(2);
+      unpack_uvs(first, second, third, frame);
+      unpack_normals(first, second, third);
+    } else {
+      const auto normal = [&](int k) { return _mm_cvtsi32_si128(int(*words(k))); };
+      uvs[0] = uvs[1] = uvs[2] = _mm_setzero_ps();
+      unpack_normals(normal(0), normal(1), normal(2));
+    }
   }
 
  private:
@@ -114,34 +118,26 @@ __m128 on_side_of(__m128 shading, __m128 geometric) {
 
 }  // namespace
 
-namespace {
+SurfacePatch::SurfacePatch(Tessellation t, bool parallel)
+    : tree_(t, parallel),
+      faces_(std::move(static_cast<SurfaceFaces&>(t))),
+      vertices_(std::move(t.positions), t.attributes, t.has_uv) {}
 
-// Kernels read 16 bytes of the last vertex: it needs room behind it (tessellate() has left it).
-Tessellation with_room_behind(Tessellation t) {
-  t.positions.reserve(t.positions.size() + 1);
-  return t;
-}
-
-}  // namespace
-
-SurfacePatch::SurfacePatch(Tessellation tessellation, bool parallel)
-    : tessellation_(with_room_behind(std::move(tessellation))), tree_(tessellation_, parallel) {}
-
-SurfacePatch::SurfacePatch(Tessellation tessellation, std::vector<SurfaceTree::Node> nodes)
-    : tessellation_(with_room_behind(std::move(tessellation))), tree_(tessellation_, std::move(nodes)) {}
+SurfacePatch::SurfacePatch(SurfaceFaces faces, SurfaceVertices vertices, std::vector<SurfaceTree::Node> nodes)
+    : tree_(faces, std::move(nodes)), faces_(std::move(faces)), vertices_(std::move(vertices)) {}
 
 namespace {
 
-TriangleSource source_of(const Tessellation& t, const SurfaceTree::Triangle& triangle) {
+TriangleSource source_of(const SurfaceFaces& t, const SurfaceTree::Triangle& triangle) {
   if (triangle.index != SurfaceTree::none) {
-    const Tessellation::TriangleSource& source = t.triangle_sources[triangle.index];
+    const SurfaceFaces::TriangleSource& source = t.triangle_sources[triangle.index];
     return {source.origin, source.leaf, 0};
   }
   const auto& grids = t.grids;  // by their vertices
-  const Tessellation::Grid& grid =
+  const SurfaceFaces::Grid& grid =
       triangle.grid != SurfaceTree::none
           ? grids[triangle.grid]
-          : *(std::ranges::upper_bound(grids, triangle.corners[0], {}, &Tessellation::Grid::first_vertex) - 1);
+          : *(std::ranges::upper_bound(grids, triangle.corners[0], {}, &SurfaceFaces::Grid::first_vertex) - 1);
   return {grid.origin, grid.leaf, grid.coarser};
 }
 
@@ -149,27 +145,28 @@ TriangleSource source_of(const Tessellation& t, const SurfaceTree::Triangle& tri
 
 void SurfacePatch::prefetch(const TreeHit& hit) const {
   const SurfaceTree::Triangle triangle = tree_.triangle(hit.triangle);
-  for (const std::uint32_t corner : triangle.corners) __builtin_prefetch(&tessellation_.attributes[corner]);
+  for (const std::uint32_t corner : triangle.corners) __builtin_prefetch(vertices_.attributes(corner));
   if (triangle.index != SurfaceTree::none)
-    __builtin_prefetch(&tessellation_.triangle_sources[triangle.index]);
+    __builtin_prefetch(&faces_.triangle_sources[triangle.index]);
   else if (triangle.grid != SurfaceTree::none)
-    __builtin_prefetch(&tessellation_.grids[triangle.grid]);
+    __builtin_prefetch(&faces_.grids[triangle.grid]);
 }
 
 void SurfacePatch::surface_at(const TreeHit& met, SurfaceHit& hit) const {
   const SurfaceTree::Triangle triangle = tree_.triangle(met.triangle);
-  for (const std::uint32_t corner : triangle.corners) __builtin_prefetch(&tessellation_.attributes[corner]);
-  meristem::surface_at(tessellation_, triangle.corners, met.u, met.v, source_of(tessellation_, triangle), hit);
+  for (const std::uint32_t corner : triangle.corners) __builtin_prefetch(vertices_.attributes(corner));
+  meristem::surface_at(faces_, vertices_, triangle.corners, met.u, met.v, source_of(faces_, triangle), hit);
 }
 
-void surface_at(const Tessellation& t, const std::array<std::uint32_t, 3>& c, float u, float v,
-                const TriangleSource& source, SurfaceHit& hit) {
-  const Tessellation::Leaf& leaf = t.leaves[source.leaf];
+void surface_at(const SurfaceFaces& faces, const SurfaceVertices& vertices, const std::array<std::uint32_t, 3>& c,
+                float u, float v, const TriangleSource& source, SurfaceHit& hit) {
+  const SurfaceFaces::Leaf& leaf = faces.leaves[source.leaf];
   hit.level = leaf.level - source.coarser;
-  hit.origin = t.origins[source.origin];  // first: it may have to come from memory
+  hit.origin = faces.origins[source.origin];  // first: it may have to come from memory
   const Weights weights(u, v);
 
-  const __m128 p0 = load(t.positions[c[0]]), p1 = load(t.positions[c[1]]), p2 = load(t.positions[c[2]]);
+  const PositionView positions = vertices.positions();
+  const __m128 p0 = positions.lanes(c[0]), p1 = positions.lanes(c[1]), p2 = positions.lanes(c[2]);
   const __m128 e1 = _mm_sub_ps(p1, p0), e2 = _mm_sub_ps(p2, p0);
   store(weights.blend(p0, p1, p2), hit.position);
   // Three products and two sums: gamma(5) of the sum of magnitudes (Pharr et al. 2023, sec. 6.8.4). The last term keeps
@@ -179,13 +176,18 @@ void surface_at(const Tessellation& t, const std::array<std::uint32_t, 3>& c, fl
   store(_mm_add_ps(_mm_mul_ps(magnitude, _mm_set1_ps(5 * 0x1p-24f)), _mm_mul_ps(largest, _mm_set1_ps(0x1p-24f))),
         hit.position_error);
 
-  const UnpackedAttributes attributes(t.attributes[c[0]], t.attributes[c[1]], t.attributes[c[2]], leaf.uv_frame);
+  const UnpackedAttributes attributes(vertices, c, leaf.uv_frame);
   const __m128 shading = weights.blend(attributes.normals[0], attributes.normals[1], attributes.normals[2]);
   __m128 geometric = normalize(cross(e1, e2));
   if (is_zero(geometric)) geometric = normalize(shading);  // a degenerate triangle
   store(geometric, hit.geometric_normal);
   store(on_side_of(shading, geometric), hit.shading_normal);
 
+  if (!vertices.has_uv()) {
+    hit.u = hit.v = 0;
+    hit.dpdu = hit.dpdv = {};
+    return;
+  }
   const __m128* const uvs = attributes.uvs;
   const __m128 uv = weights.blend(uvs[0], uvs[1], uvs[2]);
   hit.u = _mm_cvtss_f32(uv);

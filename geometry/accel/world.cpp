@@ -62,7 +62,7 @@ class World final : public Intersector {
         cache_(options.mode == ExpandMode::Lazy ? options.budget_bytes : unlimited_bytes, recorder_.get(),
                [this] { return bytes_beside_cells(); }),
         counts_(recorder_.get()),
-        roots_(options.mode, options.threads, cache_, counts_, scratch_.get()) {
+        roots_(options, cache_, counts_, scratch_.get()) {
     limit_plans(options);
     run_isolated([&] { worlds_ = std::make_unique<ClassWorlds>(objects, options, roots_); });
     if (options.mode != ExpandMode::Lazy) expand_everything(worlds_->roots(), options.threads);
@@ -259,7 +259,7 @@ std::size_t least_budget(const std::vector<Placement>& objects, const WorldOptio
   if (options.mode != ExpandMode::Lazy || options.budget_bytes >= threads * ample_bytes_per_thread) return 0;
   GeometryCache cache(unlimited_bytes);
   ExpansionCounts counts;
-  Roots roots(options.mode, options.threads, cache, counts);
+  Roots roots(options, cache, counts);
   std::unique_ptr<ClassWorlds> worlds;
   run_isolated([&] { worlds = std::make_unique<ClassWorlds>(objects, options, roots); });
   const std::size_t entries = worlds->bytes() + roots.bytes() + threads * largest_chain_bytes(worlds->roots());

@@ -11,6 +11,7 @@
 
 #include "geometry/accel/intersector.h"
 #include "geometry/cells/part.h"
+#include "geometry/cells/uv_readers.h"
 
 #include <cstdint>
 #include <memory>
@@ -30,6 +31,8 @@ struct WorldOptions {
   // What rays of other classes than the camera's want to see; null: the same. Rays of classes with one footprint object
   // see one world.
   std::shared_ptr<const Footprint> diffuse_footprint = nullptr, shadow_footprint = nullptr;
+  // Of surfaces of other materials hits have neither u, v nor tangents.
+  UvReaders uv_readers = {};
   // Where a file may keep surfaces that the budget has no room for (Lazy); empty: nowhere, they are expanded again.
   std::string scratch_directory = {};
 };

@@ -4,6 +4,7 @@
 #include "geometry/cells/fading.h"
 #include "geometry/cells/gather.h"
 #include "geometry/cells/level_of_detail.h"
+#include "geometry/cells/position_lattice.h"
 #include "geometry/cells/region_extent.h"
 
 #include <algorithm>
@@ -24,8 +25,8 @@ enum class Next { Step, Split, Finish };
 // Carries a cell through steps until it is final or worth splitting.
 class Expander {
  public:
-  Expander(const Model& model, CellMesh cell, int level)
-      : model_(model), cell_(std::move(cell)), level_(level), first_level_(level) {}
+  Expander(const Model& model, CellMesh cell, int level, const UvReaders& uv_readers)
+      : model_(model), cell_(std::move(cell)), level_(level), first_level_(level), uv_readers_(uv_readers) {}
 
   Expansion run() {
     result_.work.resize(std::size_t(model_.levels()));
@@ -125,7 +126,7 @@ class Expander {
       result_.leaf.emplace();
       result_.mesh = std::move(cell_);
     } else {
-      result_.leaf = tessellate(model_, cell_, level_, squares_, done_);
+      result_.leaf = tessellate(model_, cell_, level_, squares_, done_, uv_readers_);
     }
   }
 
@@ -144,6 +145,7 @@ class Expander {
   CellMesh cell_;
   int level_;
   const int first_level_;
+  const UvReaders& uv_readers_;
   bool is_leaf_ = false, is_final_ = false;
   Squares squares_;
   std::vector<DoneFaces> done_;
@@ -181,7 +183,9 @@ CellMesh child_cell(const Model& model, const InnerCell& parent, std::size_t chi
   return cell;
 }
 
-Expansion expand(const Model& model, CellMesh cell, int level) { return Expander(model, std::move(cell), level).run(); }
+Expansion expand(const Model& model, CellMesh cell, int level, const UvReaders& uv_readers) {
+  return Expander(model, std::move(cell), level, uv_readers).run();
+}
 
 namespace {
 
@@ -197,7 +201,7 @@ Bounds3f model_bounds(const Model& model) {
   const Mesh& mesh = model.base().mesh;
   Extent e = region_extent(model, mesh, Adjacency(mesh), all_faces(mesh), 0);
   e.footprint = INFINITY;
-  return round_outwards(final_bounds(model, e, 0));
+  return round_outwards(final_bounds(model, e, 0).inflated(Vec3d(PositionLattice::margin(model))));
 }
 
 Bounds3f model_bounds(const Model& model, const Footprint* footprint, Key individual, int derived_levels) {

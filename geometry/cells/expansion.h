@@ -55,8 +55,9 @@ struct Expansion {
 CellMesh root_cell(const Model& model, const Footprint* footprint = nullptr, Key individual = 0);
 CellMesh child_cell(const Model& model, const InnerCell& parent, std::size_t child);
 
-// Expands a cell before step `level`. Throws what a step throws (a rule that gives non-finite positions, a limit).
-Expansion expand(const Model& model, CellMesh cell, int level);
+// Expands a cell before step `level`; `uv_readers` as for tessellate(). Throws what a step throws (a rule that gives
+// non-finite positions, a limit).
+Expansion expand(const Model& model, CellMesh cell, int level, const UvReaders& uv_readers = {});
 
 // Bounds of the whole model, before anything is expanded, whichever individual and footprint; and of one individual as
 // seen with a footprint, which are closer where steps can derive them: the more of their levels, the closer, and the

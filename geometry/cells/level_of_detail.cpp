@@ -1,6 +1,7 @@
 #include "geometry/cells/level_of_detail.h"
 
 #include "geometry/cells/fading.h"
+#include "geometry/cells/position_lattice.h"
 #include "geometry/cells/tessellation.h"
 #include "geometry/cells/thinning.h"
 #include "geometry/cells/uv_lattice.h"
@@ -148,12 +149,13 @@ class Freezing {
     mesh_.frozen.resize(mesh_.vertex_count());
     const LimitSurface surface = shown_surface(cell_, model_.smoothing(level_));
     const std::vector<Vec2d> uv = vertex_uv(mesh_);
-    const UvLattice lattice(mesh_, uv);
+    const UvLattice uv_lattice(mesh_, uv);
+    const PositionLattice lattice(model_, cell_, level_);
     for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v)
       if (is_candidate_[v]) {
         const FadingVertex shown = faded(mesh_, v, Vec3f(surface.positions[v]), Vec3f(surface.normals[v]),
                                          Vec2f{float(uv[v].x), float(uv[v].y)});
-        mesh_.frozen[v] = {true, false, shown.position, shown.normal, lattice.round(v, shown.uv)};
+        mesh_.frozen[v] = {true, false, lattice.round(v, shown.position), shown.normal, uv_lattice.round(v, shown.uv)};
       }
   }
 

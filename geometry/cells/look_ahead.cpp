@@ -4,6 +4,7 @@
 #include "geometry/cells/fading.h"
 #include "geometry/cells/group_rings.h"
 #include "geometry/cells/level_of_detail.h"
+#include "geometry/cells/position_lattice.h"
 #include "geometry/mesh/refine.h"
 #include "geometry/mesh/rings.h"
 
@@ -222,6 +223,7 @@ std::optional<std::vector<Outlook>> look_ahead(const Model& model, const CellMes
   std::vector<Outlook> groups(group_count);
   ahead.add_faces(groups);
   ahead.refine_and_bound(groups);
+  for (Outlook& group : groups) group.bounds = group.bounds.inflated(Vec3d(PositionLattice::margin(model)));
   return groups;
 }
 

@@ -28,6 +28,8 @@ std::vector<int> find_halo_rings(const std::vector<std::unique_ptr<Step>>& steps
   return rings;
 }
 
+double reach_of(const Bounds3d& b) { return std::max(max_component(abs(b.lower)), max_component(abs(b.upper))); }
+
 }  // namespace
 
 Model::Model(std::string name, Mesh base, std::vector<std::unique_ptr<Step>> steps, CellSettings settings)
@@ -38,12 +40,15 @@ Model::Model(std::string name, Mesh base, std::vector<std::unique_ptr<Step>> ste
   Extent seen_anyhow = base_extent_;
   seen_anyhow.footprint = INFINITY;
   const Bounds3d bounds = final_bounds(*this, seen_anyhow, 0);
-  const double reach = std::max(max_component(abs(bounds.lower)), max_component(abs(bounds.upper)));
+  const double reach = reach_of(bounds);
   constexpr double furthest = 1e15;  // squares of what is traced have to be finite floats
   if (bounds.empty() || !(reach <= furthest))
     throw std::runtime_error(
         "the model has no finite bounds: wrap what may become very large, such as a quotient, in clamp(..., lo, hi)");
-  quantum_ = Quantum::for_reach(std::max(reach, 1e-6));
+  constexpr double least = 1e-6;
+  quantum_ = Quantum::for_reach(std::max(reach, least));
+  coarsest_lattice_ =
+      Quantum::for_reach(std::max(reach_of(final_bounds(*this, base_extent_, 0)), least)).step() * 0x1p20;
   for (const auto& s : steps_) s->set_quantum(quantum_);
   for (Vec3d& p : base.positions) p = quantum_.round(p);
   base_.owned_faces = base.face_count();
@@ -84,6 +89,10 @@ bool Model::drops_faces_later(int level) const {
 bool Model::enlarges_later(int level) const {
   while (level < levels() && !step(level).enlarges()) ++level;
   return level < levels();
+}
+
+bool Model::has_refined(int level) const {
+  return std::any_of(steps_.begin(), steps_.begin() + level, [](const auto& step) { return step->refines(); });
 }
 
 bool Model::is_two_refinements_in(int level) const {

@@ -38,6 +38,9 @@ class Model {
   int levels() const { return int(steps_.size()); }
   const Step& step(int level) const { return *steps_[std::size_t(level)]; }
   const Quantum& quantum() const { return quantum_; }
+  // How far the planes may be apart to whose crossings shown vertices are rounded (position_lattice.h): 2^-20 of a
+  // power of two above the reach of all that will grow, in full.
+  double coarsest_lattice() const { return coarsest_lattice_; }
   const CellSettings& settings() const { return settings_; }
 
   // Rings of halo a cell needs before step `level` (levels(): of the final mesh).
@@ -59,6 +62,8 @@ class Model {
   bool drops_faces_later(int level) const;
   // Whether anything that grows at `level` or later may be enlarged where it thins.
   bool enlarges_later(int level) const;
+  // Whether a step before `level` refines.
+  bool has_refined(int level) const;
   // Whether exactly two refinements lie between `level` and the last step before it that does not refine.
   bool is_two_refinements_in(int level) const;
   // What is shown of a mesh before step `level` on which nothing grows any more: the limit surface, if nothing but
@@ -77,6 +82,7 @@ class Model {
   CellMesh base_;
   std::vector<std::unique_ptr<Step>> steps_;
   Quantum quantum_;
+  double coarsest_lattice_ = 0;
   CellSettings settings_;
   void find_remaining_offsets();
 
@@ -87,8 +93,8 @@ class Model {
   std::vector<std::vector<double>> remaining_offsets_;
 };
 
-// Bounds of everything that will ever come of a region, roundings included: the extent carried through all steps from
-// `level` on.
+// Bounds of everything that will ever come of a region, roundings included but for that of what is shown: the extent
+// carried through all steps from `level` on.
 Bounds3d final_bounds(const Model& model, Extent extent, int level);
 
 }  // namespace meristem

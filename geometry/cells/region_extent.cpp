@@ -2,6 +2,7 @@
 
 #include "geometry/cells/fading.h"
 #include "geometry/cells/footprint.h"
+#include "geometry/cells/position_lattice.h"
 #include "geometry/mesh/contraction.h"
 
 #include <algorithm>
@@ -219,10 +220,9 @@ Bounds3d seen_bounds(const Model& model, Extent e, int level, const Footprint* f
   return bounds;
 }
 
-}  // namespace
-
-Bounds3d region_bounds(const Model& model, const CellMesh& cell, const Adjacency& adjacency,
-                       std::span<const std::uint32_t> faces, int level, int derived_levels) {
+// But for the rounding of what is shown.
+Bounds3d bounds_before_rounding(const Model& model, const CellMesh& cell, const Adjacency& adjacency,
+                                std::span<const std::uint32_t> faces, int level, int derived_levels) {
   const Mesh& mesh = cell.mesh;
   const auto bounds_of = [&](std::span<const std::uint32_t> part) {
     return seen_bounds(model, region_extent(model, mesh, adjacency, part, level), level, cell.footprint);
@@ -250,6 +250,14 @@ Bounds3d region_bounds(const Model& model, const CellMesh& cell, const Adjacency
   e.box = box;
   bounds.extend(final_bounds(model, e, after));
   return bounds;
+}
+
+}  // namespace
+
+Bounds3d region_bounds(const Model& model, const CellMesh& cell, const Adjacency& adjacency,
+                       std::span<const std::uint32_t> faces, int level, int derived_levels) {
+  return bounds_before_rounding(model, cell, adjacency, faces, level, derived_levels)
+      .inflated(Vec3d(PositionLattice::margin(model)));
 }
 
 }  // namespace meristem

@@ -2,6 +2,7 @@
 
 #include "geometry/base/check.h"
 #include "geometry/cells/fading.h"
+#include "geometry/cells/position_lattice.h"
 #include "geometry/cells/uv_lattice.h"
 #include "geometry/cells/uv_packing.h"
 #include "geometry/mesh/face_sums.h"
@@ -46,14 +47,12 @@ LimitSurface limit_of(const CellMesh& cell, const Smoothing& smoothing) {
                               : limit_surface_of_cage(cell.mesh, cell.owned_faces, smoothing.scheme, smoothing.quantum);
 }
 
-// The surface that is shown, and where its u, v lie: the mesh's own arrays where it is shown as it is.
+// The surface that is shown, and where its u, v lie, if they are wanted: the mesh's own arrays where it is shown as it
+// is.
 class ShownSurface {
  public:
-  ShownSurface(const CellMesh& cell, const std::optional<Smoothing>& smoothing)
-      : normals_(smoothing ? 0 : cell.mesh.vertex_count()),
-        uv_(cell.mesh.uv.empty() ? vertex_uv(cell.mesh) : std::vector<Vec2d>()),
-        uv(cell.mesh.uv.empty() ? uv_ : cell.mesh.uv),
-        lattice(cell.mesh, uv) {
+  ShownSurface(const CellMesh& cell, const std::optional<Smoothing>& smoothing, bool has_uv)
+      : normals_(smoothing ? 0 : cell.mesh.vertex_count()) {
     if (smoothing) {
       limit_ = limit_of(cell, *smoothing);
       positions = limit_.positions;
@@ -63,6 +62,10 @@ class ShownSurface {
       positions = cell.mesh.positions;
       normals = normals_.span();
     }
+    if (!has_uv) return;
+    if (cell.mesh.uv.empty()) uv_ = vertex_uv(cell.mesh);
+    uv = cell.mesh.uv.empty() ? uv_ : cell.mesh.uv;
+    uv_lattice.emplace(cell.mesh, uv);
   }
   ShownSurface(const ShownSurface&) = delete;
   ShownSurface& operator=(const ShownSurface&) = delete;
@@ -75,7 +78,7 @@ class ShownSurface {
  public:
   std::span<const Vec3d> positions, normals;
   std::span<const Vec2d> uv;
-  UvLattice lattice;
+  std::optional<UvLattice> uv_lattice;
 };
 
 std::size_t squares_of(std::uint32_t corners) { return corners == 4 ? 1 : corners; }
@@ -94,12 +97,14 @@ std::size_t vertices_of(const Squares& squares) {
 // The surface of some faces of a mesh, appended to what there is of others.
 class Tessellator {
  public:
-  // `surface` is not asked for frozen vertices: null where all are.
+  // `surface` and `lattice` are not asked for frozen vertices: null where all are.
   Tessellator(const Mesh& mesh, int level, std::optional<Scheme> next_scheme, const ShownSurface* surface,
-              Tessellation& out, std::vector<Vec2f>& vertex_uv, std::vector<UvRange>& uv_ranges)
+              const PositionLattice* lattice, Tessellation& out, std::vector<Vec2f>& vertex_uv,
+              std::vector<UvRange>& uv_ranges)
       : mesh_(mesh),
         next_scheme_(next_scheme),
         surface_(surface),
+        lattice_(lattice),
         out_(out),
         vertex_uv_(vertex_uv),
         uv_ranges_(uv_ranges),
@@ -217,17 +222,20 @@ class Tessellator {
     }
     const auto base = std::uint32_t(out_.positions.size());
     const auto width = std::uint16_t(size / step + 1);
-    UvRange range;
     for (std::uint32_t j = 0; j <= size; j += step)
-      for (std::uint32_t i = 0; i <= size; i += step) range.add(vertex_uv_[add_vertex(grid_vertex(i0 + i, j0 + j))]);
-    if (size > step && !range.fits()) {
-      out_.positions.resize(base);
-      out_.attributes.resize(base);
-      vertex_uv_.resize(base);
-      return add_quarters(i0, j0, size);
+      for (std::uint32_t i = 0; i <= size; i += step) add_vertex(grid_vertex(i0 + i, j0 + j));
+    if (out_.has_uv) {
+      UvRange range;
+      for (std::size_t v = base; v < vertex_uv_.size(); ++v) range.add(vertex_uv_[v]);
+      if (size > step && !range.fits()) {
+        out_.positions.resize(base);
+        out_.attributes.resize(base);
+        vertex_uv_.resize(base);
+        return add_quarters(i0, j0, size);
+      }
+      uv_ranges_.push_back(range);
     }
     out_.grids.push_back({base, width, width, grid_origin_, leaf_, std::countr_zero(step)});
-    uv_ranges_.push_back(range);
   }
 
   bool is_shown_together(std::uint32_t v, std::uint32_t w) const {
@@ -239,16 +247,18 @@ class Tessellator {
   std::uint32_t add_vertex(std::uint32_t v) {
     if (!mesh_.frozen.empty() && mesh_.frozen[v].is_frozen) {
       const FrozenVertex& frozen = mesh_.frozen[v];
-      out_.positions.push_back(frozen.position);
-      out_.attributes.push_back({PackedNormal::pack(frozen.normal), {}});
-      vertex_uv_.push_back(frozen.uv);
-      return std::uint32_t(out_.positions.size()) - 1;
+      return add_vertex(frozen.position + Vec3f(0.f), frozen.normal, frozen.uv);  // no zero is -0
     }
-    const FadingVertex shown = faded(mesh_, v, Vec3f(surface_->positions[v]), Vec3f(surface_->normals[v]),
-                                     Vec2f{float(surface_->uv[v].x), float(surface_->uv[v].y)});
-    out_.positions.push_back(shown.position);
-    out_.attributes.push_back({PackedNormal::pack(shown.normal), {}});
-    vertex_uv_.push_back(surface_->lattice.round(v, shown.uv));
+    Vec2f uv;
+    if (out_.has_uv) uv = {float(surface_->uv[v].x), float(surface_->uv[v].y)};
+    const FadingVertex shown = faded(mesh_, v, Vec3f(surface_->positions[v]), Vec3f(surface_->normals[v]), uv);
+    return add_vertex(lattice_->round(v, shown.position), shown.normal,
+                      out_.has_uv ? surface_->uv_lattice->round(v, shown.uv) : uv);
+  }
+  std::uint32_t add_vertex(Vec3f position, Vec3f normal, Vec2f uv) {
+    out_.positions.push_back(position);
+    out_.attributes.push_back({PackedNormal::pack(normal), {}});
+    if (out_.has_uv) vertex_uv_.push_back(uv);
     return std::uint32_t(out_.positions.size()) - 1;
   }
   std::uint32_t shared_vertex(std::uint32_t v) {
@@ -260,6 +270,7 @@ class Tessellator {
   const Mesh& mesh_;
   const std::optional<Scheme> next_scheme_;
   const ShownSurface* const surface_;
+  const PositionLattice* const lattice_;
   Tessellation& out_;
   std::vector<Vec2f>& vertex_uv_;    // of the output
   std::vector<UvRange>& uv_ranges_;  // of its grids
@@ -269,19 +280,22 @@ class Tessellator {
   std::uint32_t grid_width_ = 0, grid_origin_ = 0;
 };
 
-// Vectors may have grown by doubling. One position more: rays read 16 bytes of the last.
+// Vectors may have grown by doubling. Those of vertices are packed by whoever keeps the surface.
 void shrink_to_fit(Tessellation& t) {
-  if (t.positions.capacity() != t.positions.size() + 1) {
-    std::vector<Vec3f> exact;
-    exact.reserve(t.positions.size() + 1);
-    exact.assign(t.positions.begin(), t.positions.end());
-    t.positions.swap(exact);
-  }
-  t.attributes.shrink_to_fit();
   t.grids.shrink_to_fit();
   t.triangles.shrink_to_fit();
   t.triangle_sources.shrink_to_fit();
   t.origins.shrink_to_fit();
+}
+
+bool reads_uv(const UvReaders& readers, const Mesh& mesh, std::uint32_t faces) {
+  std::uint32_t last = ~std::uint32_t(0);
+  for (std::uint32_t f = 0; f < faces; ++f) {
+    const std::uint32_t origin = mesh.face_origins[f];
+    if (origin != last && readers.reads(mesh.origins[origin])) return true;
+    last = origin;
+  }
+  return false;
 }
 
 }  // namespace
@@ -293,9 +307,9 @@ LimitSurface shown_surface(const CellMesh& cell, const std::optional<Smoothing>&
   return surface;
 }
 
-std::size_t Tessellation::bytes() const {
-  return capacity_bytes(positions) + capacity_bytes(attributes) + capacity_bytes(grids) + capacity_bytes(triangles) +
-         capacity_bytes(triangle_sources) + capacity_bytes(leaves) + origins.bytes();
+std::size_t SurfaceFaces::bytes() const {
+  return capacity_bytes(grids) + capacity_bytes(triangles) + capacity_bytes(triangle_sources) + capacity_bytes(leaves) +
+         origins.bytes();
 }
 
 Bounds3f Tessellation::bounds() const {
@@ -305,23 +319,27 @@ Bounds3f Tessellation::bounds() const {
 }
 
 Tessellation tessellate(const Model& model, const CellMesh& cell, int level, const Squares& squares,
-                        std::span<const DoneFaces> done) {
+                        std::span<const DoneFaces> done, const UvReaders& uv_readers) {
   Tessellation out;
+  out.has_uv = reads_uv(uv_readers, cell.mesh, cell.owned_faces) ||
+               std::any_of(done.begin(), done.end(),
+                           [&](const DoneFaces& d) { return reads_uv(uv_readers, d.mesh, d.mesh.face_count()); });
   std::vector<Vec2f> vertex_uv;
   std::vector<UvRange> uv_ranges;
   if (squares.refinements > 0 && cell.mesh.frozen.empty()) {
     const std::size_t vertices = vertices_of(squares);
     out.positions.reserve(vertices + 1);
     out.attributes.reserve(vertices);
-    vertex_uv.reserve(vertices);
+    if (out.has_uv) vertex_uv.reserve(vertices);
   }
-  const ShownSurface surface(cell, model.smoothing(level));
-  Tessellator(cell.mesh, level, model.next_scheme(level), &surface, out, vertex_uv, uv_ranges)
+  const ShownSurface surface(cell, model.smoothing(level), out.has_uv);
+  const PositionLattice lattice(model, cell, level);
+  Tessellator(cell.mesh, level, model.next_scheme(level), &surface, &lattice, out, vertex_uv, uv_ranges)
       .add(cell.owned_faces, squares);
   for (const DoneFaces& d : done)
-    Tessellator(d.mesh, d.level, model.next_scheme(d.level), nullptr, out, vertex_uv, uv_ranges)
+    Tessellator(d.mesh, d.level, model.next_scheme(d.level), nullptr, nullptr, out, vertex_uv, uv_ranges)
         .add(d.mesh.face_count(), d.squares);
-  pack_uv(vertex_uv, uv_ranges, out);
+  if (out.has_uv) pack_uv(vertex_uv, uv_ranges, out);
   shrink_to_fit(out);
   return out;
 }

@@ -4,6 +4,7 @@
 
 #include "geometry/cells/model.h"
 #include "geometry/cells/packing.h"
+#include "geometry/cells/uv_readers.h"
 #include "geometry/mesh/face_origins.h"
 #include "geometry/mesh/limit.h"
 
@@ -13,7 +14,8 @@
 
 namespace meristem {
 
-struct Tessellation {
+// How a surface is made of its vertices.
+struct SurfaceFaces {
   // width x height vertices, row by row, with its own vertices from first_vertex on; all faces of a grid have one
   // origin.
   struct Grid {
@@ -34,8 +36,6 @@ struct Tessellation {
     int level = 0;  // steps of the model that were done
   };
 
-  std::vector<Vec3f> positions;
-  std::vector<PackedAttributes> attributes;  // of the vertices; normals outwards
   std::vector<Grid> grids;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<TriangleSource> triangle_sources;
@@ -43,7 +43,14 @@ struct Tessellation {
   FaceOrigins origins;
   std::uint64_t face_count = 0;  // owned faces of the final mesh, before polygons were cut into triangles
 
-  std::size_t bytes() const;
+  std::size_t bytes() const;  // beside itself
+};
+
+struct Tessellation : SurfaceFaces {
+  std::vector<Vec3f> positions;
+  std::vector<PackedAttributes> attributes;  // of the vertices; normals outwards
+  bool has_uv = true;                        // else those of the attributes mean nothing
+
   Bounds3f bounds() const;
 };
 
@@ -91,8 +98,9 @@ struct DoneFaces {
 // normals are those of shown_surface(), frozen vertices are shown where they were frozen, others faded in (fading.h);
 // squares in which the last refinements made nothing but copies become coarser grids. The triangles that have an area
 // are the same however many of the refinements have been made of faces that were done before: how a model is cut into
-// cells does not show.
+// cells does not show. Positions are rounded (position_lattice.h), u, v as well (uv_lattice.h); these are left out if
+// no material of the faces reads them.
 Tessellation tessellate(const Model& model, const CellMesh& cell, int level, const Squares& squares,
-                        std::span<const DoneFaces> done = {});
+                        std::span<const DoneFaces> done = {}, const UvReaders& uv_readers = {});
 
 }  // namespace meristem

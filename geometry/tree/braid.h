@@ -35,7 +35,7 @@ class Braid {
  public:
   struct Tree {
     const SurfaceTree* tree;
-    const Vec3f* positions;  // as for SurfaceTree::intersect()
+    PositionView positions;  // as for SurfaceTree::intersect()
   };
   // Trees that outlive it, and boxes of anything else; by their places in these lists a visitor is told of them. Some
   // 0.2 us a strand or box.
@@ -52,10 +52,10 @@ class Braid {
   }
 
   // A part of a tree, at an end of the nodes.
-  struct alignas(32) Strand {
+  struct alignas(16) Strand {
     const SurfaceTree::Node* nodes;
     const std::array<std::uint32_t, 3>* triangles;
-    const Vec3f* positions;
+    PositionView positions;
     std::uint32_t start;  // as SurfaceTree::Part has it
     std::uint32_t owner;  // its tree
   };

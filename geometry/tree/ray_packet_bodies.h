@@ -42,7 +42,7 @@ class Packet {
   void meet_block(const TreeView& tree, std::uint32_t block);
   void meet_triangle(const TreeView& tree, const Sheared& a, const Sheared& b, const Sheared& c,
                      std::uint32_t triangle);
-  Sheared sheared(const Vec3f& p) const;
+  Sheared sheared(__m128 p) const;
   void shorten() { farthest_ = greatest(t_max_.lanes()); }
 
   StreamRay* const* const rays_;
@@ -183,8 +183,10 @@ void Packet::enter_together(std::uint32_t other, unsigned which) {
 }
 
 // As RayLanes has it.
-MERISTEM_INLINE Sheared Packet::sheared(const Vec3f& p) const {
-  const auto from_origin = [&](int axis) { return sub(splat((&p.x)[axis]), origin_[axis].lanes()); };
+MERISTEM_INLINE Sheared Packet::sheared(__m128 p) const {
+  alignas(16) float of_axis[4];
+  _mm_store_ps(of_axis, p);
+  const auto from_origin = [&](int axis) { return sub(splat(of_axis[axis]), origin_[axis].lanes()); };
   const F8 along = from_origin(like_.axis);
   return {sub(from_origin((like_.axis + 1) % 3), mul(shear_x_.lanes(), along)),
           sub(from_origin((like_.axis + 2) % 3), mul(shear_y_.lanes(), along)), mul(shear_z_.lanes(), along)};
@@ -197,7 +199,7 @@ void Packet::meet_block(const TreeView& tree, std::uint32_t block) {
   if (stride == 0) {
     for (std::uint32_t i = 0; i < shape; ++i) {
       const auto& corners = tree.triangles[first + i];
-      const auto corner = [&](int k) { return sheared(tree.positions[corners[k]]); };
+      const auto corner = [&](int k) { return sheared(tree.positions.lanes(corners[k])); };
       meet_triangle(tree, corner(0), corner(1), corner(2), 8 * block + i);
     }
     return;
@@ -205,7 +207,7 @@ void Packet::meet_block(const TreeView& tree, std::uint32_t block) {
   const std::uint32_t columns = shape % 16, rows = shape / 16;
   Sheared grid[3][3];
   for (std::uint32_t y = 0; y <= rows; ++y)
-    for (std::uint32_t x = 0; x <= columns; ++x) grid[y][x] = sheared(tree.positions[first + y * stride + x]);
+    for (std::uint32_t x = 0; x <= columns; ++x) grid[y][x] = sheared(tree.positions.lanes(first + y * stride + x));
   for (std::uint32_t half = 0; half < 2; ++half)
     for (std::uint32_t y = 0; y < rows; ++y)
       for (std::uint32_t x = 0; x < columns; ++x) {

@@ -11,7 +11,7 @@
 
 namespace meristem {
 
-Key tie_key(const Vec3f* positions, const std::array<std::uint32_t, 3>& corners) {
+Key tie_key(const PositionView& positions, const std::array<std::uint32_t, 3>& corners) {
   Key key = 0;
   for (const std::uint32_t corner : corners) {
     const auto bits = std::bit_cast<std::array<std::uint32_t, 3>>(positions[corner]);
@@ -67,15 +67,15 @@ SurfaceTree::SurfaceTree(Tessellation& tessellation, bool parallel) {
   triangles_ = tessellation.triangles.data();
 }
 
-SurfaceTree::SurfaceTree(const Tessellation& tessellation, std::vector<Node> nodes)
-    : nodes_(std::move(nodes)), triangles_(tessellation.triangles.data()) {}
+SurfaceTree::SurfaceTree(const SurfaceFaces& faces, std::vector<Node> nodes)
+    : nodes_(std::move(nodes)), triangles_(faces.triangles.data()) {}
 
-bool SurfaceTree::intersect(const Vec3f* positions, const TreeRay& ray, float t_min, TreeHit& hit) const {
+bool SurfaceTree::intersect(const PositionView& positions, const TreeRay& ray, float t_min, TreeHit& hit) const {
   if (nodes_.empty()) return false;
   return best_tree_kernels().intersect({nodes_.data(), triangles_, positions}, ray, t_min, hit);
 }
 
-bool SurfaceTree::occluded(const Vec3f* positions, const TreeRay& ray, float t_min, float t_max) const {
+bool SurfaceTree::occluded(const PositionView& positions, const TreeRay& ray, float t_min, float t_max) const {
   if (nodes_.empty()) return false;
   return best_tree_kernels().occluded({nodes_.data(), triangles_, positions}, ray, t_min, t_max);
 }

@@ -12,6 +12,7 @@
 #pragma once
 
 #include "geometry/base/key.h"
+#include "geometry/cells/position_view.h"
 #include "geometry/cells/tessellation.h"
 
 #include <array>
@@ -41,24 +42,25 @@ struct TreeHit {
 };
 
 // A hash of where the corners of a triangle lie.
-Key tie_key(const Vec3f* positions, const std::array<std::uint32_t, 3>& corners);
+Key tie_key(const PositionView& positions, const std::array<std::uint32_t, 3>& corners);
 
 class SurfaceTree {
  public:
-  // Over all triangles of a tessellation that outlives it, unchanged (it may be moved); sorts those outside grids.
+  // Over all triangles of a tessellation, with room to read behind its last position; sorts those outside grids. Their
+  // list outlives it, unchanged (it may be moved).
   // `parallel`: large ones are built by parallel_for().
   explicit SurfaceTree(Tessellation& tessellation, bool parallel = false);
 
-  // The same from its nodes, over the tessellation as it was sorted then.
+  // The same from its nodes, over the triangles as they were sorted then; the list outlives it (it may be moved).
   struct Node;
-  SurfaceTree(const Tessellation& tessellation, std::vector<Node> nodes);
+  SurfaceTree(const SurfaceFaces& faces, std::vector<Node> nodes);
   const std::vector<Node>& nodes() const { return nodes_; }
 
   // Looks for a triangle in (t_min, hit.t]; returns whether there is one. `positions` are those of the tessellation,
-  // with four bytes to read behind the last.
-  bool intersect(const Vec3f* positions, const TreeRay& ray, float t_min, TreeHit& hit) const;
+  // with room to read behind the last.
+  bool intersect(const PositionView& positions, const TreeRay& ray, float t_min, TreeHit& hit) const;
   // Whether any triangle is met in (t_min, t_max].
-  bool occluded(const Vec3f* positions, const TreeRay& ray, float t_min, float t_max) const;
+  bool occluded(const PositionView& positions, const TreeRay& ray, float t_min, float t_max) const;
 
   // What a hit has met: a triangle of the tessellation's list, or one of a quad of the grid that holds these vertices.
   static constexpr std::uint32_t none = TreeHit::none;

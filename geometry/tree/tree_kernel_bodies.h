@@ -43,6 +43,12 @@ MERISTEM_INLINE F8 swap_halves(F8 a) { return _mm256_permute2f128_ps(a, a, 1); }
 MERISTEM_INLINE F8 from_bytes(const std::uint8_t* p) {
   return _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p))));
 }
+// Four numbers for each half.
+MERISTEM_INLINE F8 from_words(const std::uint16_t* low, const std::uint16_t* high) {
+  const __m128d first = _mm_load_sd(reinterpret_cast<const double*>(low));
+  const __m128d both = _mm_loadh_pd(first, reinterpret_cast<const double*>(high));
+  return _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_castpd_si128(both)));
+}
 template <int I>
 MERISTEM_INLINE F8 lane(__m128 a) {
   if constexpr (I == 0) return _mm256_broadcastss_ps(a);
@@ -119,6 +125,12 @@ MERISTEM_INLINE F8 swap_halves(F8 a) { return {a.high, a.low}; }
 MERISTEM_INLINE F8 from_bytes(const std::uint8_t* p) {
   const __m128i b = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p));
   return {_mm_cvtepi32_ps(_mm_cvtepu8_epi32(b)), _mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_srli_si128(b, 4)))};
+}
+MERISTEM_INLINE F8 from_words(const std::uint16_t* low, const std::uint16_t* high) {
+  const auto half = [](const std::uint16_t* p) {
+    return _mm_cvtepi32_ps(_mm_cvtepu16_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p))));
+  };
+  return {half(low), half(high)};
 }
 template <int I>
 MERISTEM_INLINE F8 lane(__m128 a) {
@@ -200,23 +212,46 @@ struct RayLanes {
   F8 t_min;
 };
 
-MERISTEM_INLINE __m128 load_point(const Vec3f* p) { return _mm_loadu_ps(&p->x); }
+// Where vertices lie that are floats,
+struct LoosePoints {
+  MERISTEM_INLINE explicit LoosePoints(const PositionView& view) : data(static_cast<const float*>(view.data)) {}
+  // Of two vertices, one in each half.
+  MERISTEM_INLINE F8 pair(std::uint32_t a, std::uint32_t b) const {
+    return join(_mm_loadu_ps(data + 3 * std::size_t(a)), _mm_loadu_ps(data + 3 * std::size_t(b)));
+  }
+
+  const float* data;
+};
+
+// and those on a lattice.
+struct PackedPoints {
+  MERISTEM_INLINE explicit PackedPoints(const PositionView& view)
+      : data(static_cast<const std::uint16_t*>(view.data)), step(splat(view.step)) {
+    const __m128 lanes = _mm_loadu_ps(view.origin);
+    origin = join(lanes, lanes);
+  }
+  MERISTEM_INLINE F8 pair(std::uint32_t a, std::uint32_t b) const {
+    return add(mul(from_words(data + 3 * std::size_t(a), data + 3 * std::size_t(b)), step), origin);
+  }
+
+  const std::uint16_t* data;
+  F8 origin, step;
+};
 
 // The corners of a block's triangles. Of a quad these are (00, 10, 01), lanes 0 to 3, and (11, 01, 10), lanes 4 to 7.
 // Where there are fewer columns, rows or triangles, some appear twice, or have no area.
+template <class Points>
 MERISTEM_INLINE void load_corners(const TreeView& tree, std::uint32_t block, const RayLanes& ray, Sheared& a,
                                   Sheared& b, Sheared& c) {
+  const Points points(tree.positions);
   const SurfaceTree::Node& node = tree.nodes[block / 8];
   const std::uint32_t first = node.first[block % 8], stride = node.stride[block % 8], shape = node.shape[block % 8];
   if (stride > 0) {
-    const Vec3f* const r0 = tree.positions + first;
-    const Vec3f* const r1 = r0 + stride;
-    const Vec3f* const r2 = r0 + stride * (shape / 16);
-    const std::uint32_t last = shape % 16;
-    a = ray.sheared(join(load_point(r0), load_point(r1 + 1)), join(load_point(r0 + 1), load_point(r1 + last)),
-                    join(load_point(r1), load_point(r2 + 1)), join(load_point(r1 + 1), load_point(r2 + last)));
-    b = ray.sheared(join(load_point(r0 + 1), load_point(r1)), join(load_point(r0 + last), load_point(r1 + 1)),
-                    join(load_point(r1 + 1), load_point(r2)), join(load_point(r1 + last), load_point(r2 + 1)));
+    const std::uint32_t r0 = first, r1 = r0 + stride, r2 = r0 + stride * (shape / 16), last = shape % 16;
+    a = ray.sheared(points.pair(r0, r1 + 1), points.pair(r0 + 1, r1 + last), points.pair(r1, r2 + 1),
+                    points.pair(r1 + 1, r2 + last));
+    b = ray.sheared(points.pair(r0 + 1, r1), points.pair(r0 + last, r1 + 1), points.pair(r1 + 1, r2),
+                    points.pair(r1 + last, r2 + 1));
     c = {swap_halves(b.x), swap_halves(b.y), swap_halves(b.z)};
     return;
   }
@@ -226,9 +261,8 @@ MERISTEM_INLINE void load_corners(const TreeView& tree, std::uint32_t block, con
   for (std::uint32_t i = 0; i < 8; ++i) corners[i] = triangles[i < last ? i : last].data();
   Sheared* const out[3] = {&a, &b, &c};
   for (int k = 0; k < 3; ++k) {
-    const auto point = [&](int i) { return load_point(tree.positions + corners[i][k]); };
-    *out[k] = ray.sheared(join(point(0), point(4)), join(point(1), point(5)), join(point(2), point(6)),
-                          join(point(3), point(7)));
+    const auto pair = [&](int i) { return points.pair(corners[i][k], corners[i + 4][k]); };
+    *out[k] = ray.sheared(pair(0), pair(1), pair(2), pair(3));
   }
 }
 
@@ -257,7 +291,10 @@ struct EdgeFunctions {
 template <bool Any>
 MERISTEM_INLINE bool meet_block(const TreeView& tree, std::uint32_t block, const RayLanes& ray, TreeHit& hit) {
   Sheared a, b, c;
-  load_corners(tree, block, ray, a, b, c);
+  if (tree.positions.is_packed())
+    load_corners<PackedPoints>(tree, block, ray, a, b, c);
+  else
+    load_corners<LoosePoints>(tree, block, ray, a, b, c);
   const EdgeFunctions e(a, b, c);
   unsigned met = e.met();
   if (met == 0) return false;
@@ -358,10 +395,11 @@ struct OfTree {
   MERISTEM_INLINE void prefetch(const SurfaceTree::Node& node, std::uint32_t place) const {
     const std::uint32_t first = node.first[place], stride = node.stride[place];
     if (stride > 0) {
-      const char* const row = reinterpret_cast<const char*>(tree.positions + first);
+      const char* const row = tree.positions.address(first);
+      const std::size_t row_bytes = stride * tree.positions.bytes_a_vertex();
       _mm_prefetch(row, _MM_HINT_T0);
-      _mm_prefetch(row + stride * sizeof(Vec3f), _MM_HINT_T0);
-      _mm_prefetch(row + 2 * stride * sizeof(Vec3f), _MM_HINT_T0);
+      _mm_prefetch(row + row_bytes, _MM_HINT_T0);
+      _mm_prefetch(row + 2 * row_bytes, _MM_HINT_T0);
     } else if (node.shape[place] == 0) {
       prefetch_node(tree.nodes[first]);
     }

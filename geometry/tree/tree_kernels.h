@@ -10,7 +10,7 @@ namespace meristem {
 struct TreeView {
   const SurfaceTree::Node* nodes;
   const std::array<std::uint32_t, 3>* triangles;
-  const Vec3f* positions;
+  PositionView positions;
 };
 
 // Of two triangles of a tree, as TreeHit names them, that a ray meets at one distance: whether it is the first that it

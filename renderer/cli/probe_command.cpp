@@ -74,7 +74,9 @@ std::string sum_text(const std::vector<ProbedSample>& samples) {
 }  // namespace
 
 int probe_command(const ProbeOptions& options, const SceneLoader& load) {
-  const LoadedScene loaded = load(options.scene, options.load);
+  LoadOptions load_options = options.load;
+  load_options.keeps_uv = true;
+  const LoadedScene loaded = load(options.scene, load_options);
   print_diagnostics(loaded.warnings);
   const Scene& scene = *loaded.scene;
   const RenderSettings& s = scene.settings;

@@ -157,8 +157,17 @@ class SceneBuilder {
                                options_.record};
     add_class_footprints(*scene_, world_options);
     world_options.scratch_directory = options_.scratch_directory;
+    if (!options_.keeps_uv) world_options.uv_readers = uv_readers();
     check_budget(world, world_options, where);
     scene_->intersector = make_world(std::move(world), world_options);
+  }
+
+  UvReaders uv_readers() const {
+    const std::vector<Aov>& aovs = scene_->settings.aovs;
+    if (std::ranges::find(aovs, Aov::Uv) != aovs.end()) return {};
+    std::vector<bool> reads;
+    for (const auto& material : scene_->materials) reads.push_back(material->reads_uv());
+    return UvReaders(std::move(reads));
   }
 
   void check_budget(const std::vector<Placement>& world, const WorldOptions& options, const Location& where) {

@@ -30,6 +30,7 @@ struct LoadOptions {
   std::optional<double> shutter;  // frames that it is open
   std::string scratch_directory;  // for surfaces that are evicted; empty: none
   bool record = false;            // what expansion does, for Intersector::profile()
+  bool keeps_uv = false;          // of all surfaces, whether materials and AOVs read u, v or not
   bool check_only = false;        // the scene will not be rendered: Scene::prepare() is left out
   bool keep_objects = false;      // LoadedScene::objects in place of a world to trace rays into; with check_only
   std::string camera;             // name of one of the file's cameras; empty: the file's first

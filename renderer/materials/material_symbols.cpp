@@ -39,6 +39,11 @@ MaterialValues::MaterialValues(const ShadingPoint& point) {
     values[std::size_t(6 + i)] = Vec3f(hit.origin.parameters[std::size_t(i)]);
 }
 
+bool reads_uv(const Expression& e) {
+  static const int u = material_symbols().find("u"), v = material_symbols().find("v");
+  return e.uses(u) || e.uses(v);
+}
+
 Vec2f uv_step(const SurfaceHit& hit, Vec3f by) {
   const Vec3f du = hit.dpdu, dv = hit.dpdv;
   const float uu = length_squared(du), uv = dot(du, dv), vv = length_squared(dv), determinant = uu * vv - uv * uv;

@@ -35,6 +35,9 @@ struct MaterialValues {
   std::span<const Vec3f> used() const { return {values.data(), std::size_t(count)}; }
 };
 
+// Whether an expression over symbols that begin with these asks for u or v.
+bool reads_uv(const Expression& e);
+
 // How texture coordinates change along a step on the tangent plane.
 Vec2f uv_step(const SurfaceHit& hit, Vec3f by);
 
@@ -48,6 +51,7 @@ class ScalarParameter {
   float at(const MaterialValues& values) const { return constant_ ? value_ : clean(values.scalar(*expression_)); }
   bool is_constant() const { return constant_; }
   float constant_value() const { return value_; }  // of one that is
+  bool reads_uv() const { return meristem::reads_uv(*expression_); }
 
  private:
   float clean(float x) const { return x > lower_ ? std::min(x, upper_) : lower_; }
@@ -67,6 +71,7 @@ class ColorParameter {
       : ColorParameter(params, material_symbols(), name, fallback, upper, doc) {}
   Spectrum at(const MaterialValues& values) const { return constant_ ? value_ : clean(values.vector(*expression_)); }
   bool is_constant() const { return constant_; }
+  bool reads_uv() const { return meristem::reads_uv(*expression_); }
 
  private:
   Spectrum clean(Vec3f c) const;

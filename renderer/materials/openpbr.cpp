@@ -74,6 +74,7 @@ class OpenPbr : public Material {
 
   bool is_uniform() const override { return constant_; }
   bool has_textures() const override { return !textures_.empty(); }
+  bool reads_uv() const override { return reads_uv_ || has_textures(); }
   bool may_emit() const override { return !is_zero(emission_luminance_); }
   Spectrum emission(const ShadingPoint& point) const override {
     const MaterialValues v = textures_.at(point);
@@ -86,11 +87,13 @@ class OpenPbr : public Material {
   ScalarParameter scalar(Params& p, const char* name, const char* fallback, float lower, float upper, const char* doc) {
     ScalarParameter parameter(p, textures_.symbols(), name, fallback, lower, upper, doc);
     constant_ = constant_ && parameter.is_constant();
+    reads_uv_ = reads_uv_ || parameter.reads_uv();
     return parameter;
   }
   ColorParameter color(Params& p, const char* name, const char* fallback, float upper, const char* doc) {
     ColorParameter parameter(p, textures_.symbols(), name, fallback, upper, doc);
     constant_ = constant_ && parameter.is_constant();
+    reads_uv_ = reads_uv_ || parameter.reads_uv();
     return parameter;
   }
 
@@ -182,6 +185,7 @@ class OpenPbr : public Material {
   static bool is_zero(const ScalarParameter& p) { return p.is_constant() && p.constant_value() == 0; }
 
   MaterialTextures textures_;
+  bool reads_uv_ = false;
   bool constant_ = true;            // no parameter depends on the hit; then all hits have
   BsdfParameters same_everywhere_;  // these
   ScalarParameter base_weight_;

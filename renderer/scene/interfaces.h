@@ -211,6 +211,8 @@ class Material {
   virtual bool is_uniform() const { return false; }
   // Whether evaluate() asks for the footprint.
   virtual bool has_textures() const { return false; }
+  // Whether evaluate() or emission() ask for u, v or the tangents along them.
+  virtual bool reads_uv() const { return true; }
   // False if every hit is opaque (opacity 1): shadow rays then need not ask.
   virtual bool may_be_transparent() const { return false; }
 };

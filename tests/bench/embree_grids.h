@@ -17,6 +17,7 @@ class EmbreeGrids {
     for_each_tessellation({std::move(model), nullptr, 0, {}}, [&](const Tessellation& cell, double) {
       cells_.push_back(cell);
       cells_.back().positions.reserve(cell.positions.size() + 1);  // Embree reads 16 bytes of the last
+      vertices_.emplace_back(cell.positions, cell.attributes, cell.has_uv);
     });
     rtcSetSceneFlags(scene_.get(), RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT));
     for (unsigned i = 0; i < cells_.size(); ++i) attach(cells_[i], i);
@@ -29,7 +30,7 @@ class EmbreeGrids {
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene_.get(), &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-    set_surface(cells_[query.hit.geomID], query.hit, hit);
+    set_surface(cells_[query.hit.geomID], vertices_[query.hit.geomID], query.hit, hit);
     hit.t = query.ray.tfar;
     return true;
   }
@@ -48,7 +49,8 @@ class EmbreeGrids {
   }
 
   // Embree's u, v run over the whole grid; each quad is two triangles, (00, 10, 01) and (11, 01, 10).
-  static void set_surface(const Tessellation& cell, const RTCHit& met, SurfaceHit& hit) {
+  static void set_surface(const SurfaceFaces& cell, const SurfaceVertices& vertices, const RTCHit& met,
+                          SurfaceHit& hit) {
     const Tessellation::Grid& grid = cell.grids[met.primID];
     const float x = met.u * float(grid.width - 1), y = met.v * float(grid.height - 1);
     const auto i = std::uint32_t(std::clamp(int(x), 0, grid.width - 2)),
@@ -57,12 +59,13 @@ class EmbreeGrids {
     const std::uint32_t v00 = grid.first_vertex + j * grid.width + i, v10 = v00 + 1, v01 = v00 + grid.width;
     const TriangleSource source{grid.origin, grid.leaf, grid.coarser};
     if (u + v <= 1)
-      surface_at(cell, {v00, v10, v01}, u, v, source, hit);
+      surface_at(cell, vertices, {v00, v10, v01}, u, v, source, hit);
     else
-      surface_at(cell, {v01 + 1, v01, v10}, 1 - u, 1 - v, source, hit);
+      surface_at(cell, vertices, {v01 + 1, v01, v10}, 1 - u, 1 - v, source, hit);
   }
 
   std::vector<Tessellation> cells_;
+  std::vector<SurfaceVertices> vertices_;
   ScenePtr scene_;
 };
 

@@ -3,7 +3,9 @@
 
 #include "geometry/cells/expansion.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <set>
@@ -46,6 +48,16 @@ struct ShownTriangles {
       for (Vec3f p : {a, b, c}) vertices.insert({p.x, p.y, p.z});
       smallest = std::min(smallest, area);
       largest = std::max(largest, area);
+    });
+  }
+  // Whether every vertex lies near one of the other's, by each coordinate, and there are as many edges.
+  bool is_near(const ShownTriangles& other, float distance) const {
+    if (balance.size() != other.balance.size() || vertices.size() != other.vertices.size()) return false;
+    return std::ranges::all_of(vertices, [&](const std::array<float, 3>& p) {
+      for (auto q = other.vertices.lower_bound({p[0] - distance, -INFINITY, -INFINITY});
+           q != other.vertices.end() && (*q)[0] <= p[0] + distance; ++q)
+        if (std::abs((*q)[1] - p[1]) <= distance && std::abs((*q)[2] - p[2]) <= distance) return true;
+      return false;
     });
   }
   bool is_closed() const {

@@ -2,6 +2,7 @@
 
 #include "geometry/base/key.h"
 #include "geometry/base/parallel.h"
+#include "geometry/cells/surface_vertices.h"
 #include "geometry/tree/tree_builder.h"
 #include "geometry/tree/tree_kernels.h"
 
@@ -161,6 +162,39 @@ TEST_F(SurfaceTrees, BothKernelsGiveTheSameBits) {
     ASSERT_EQ(avx2_tree_kernels().occluded(view, ray, 0, 0.9f), baseline_tree_kernels().occluded(view, ray, 0, 0.9f));
     met += a.triangle != TreeHit::none;
   }
+  EXPECT_GT(met, 5000);
+}
+
+TEST_F(SurfaceTrees, PackedPositionsGiveTheSameBits) {
+  Tessellation t = heap(6, 500, 50);
+  for (Vec3f& p : t.positions) {
+    const auto round = [](float x) { return std::round(x * 0x1p14f) * 0x1p-14f + 0.f; };
+    p = {round(p.x), round(p.y), round(p.z)};
+  }
+  const SurfaceVertices packed(t.positions, {}, false);
+  ASSERT_TRUE(packed.positions().is_packed());
+  BuiltTree tree;
+  build_tree(t, false, tree);
+  std::vector<std::array<std::uint32_t, 3>> sorted;
+  for (std::uint32_t i : tree.triangles) sorted.push_back(t.triangles[i]);
+  const TreeView as_floats{tree.nodes.data(), sorted.data(), t.positions.data()},
+      as_numbers{tree.nodes.data(), sorted.data(), packed.positions()};
+  int met = 0;
+  for (const TreeKernels* kernels : {&baseline_tree_kernels(), &best_tree_kernels()})
+    for (Key k = 0; k < 10000; ++k) {
+      const Vec3f origin = random_point(1, k) * 1.5f;
+      const Vec3f target = k % 2 ? t.positions[hash_keys(3, k) % t.positions.size()] : random_point(2, k);
+      const TreeRay ray(origin, target - origin);
+      TreeHit a{INFINITY}, b{INFINITY};
+      ASSERT_EQ(kernels->intersect(as_floats, ray, 0, a), kernels->intersect(as_numbers, ray, 0, b));
+      ASSERT_EQ(std::tie(a.t, a.triangle, a.u, a.v), std::tie(b.t, b.triangle, b.u, b.v));
+      ASSERT_EQ(kernels->occluded(as_floats, ray, 0, 0.9f), kernels->occluded(as_numbers, ray, 0, 0.9f));
+      met += a.triangle != TreeHit::none;
+      if (a.triangle != TreeHit::none) {
+        const auto corners = SurfaceTree::triangle(as_floats.nodes, as_floats.triangles, a.triangle).corners;
+        ASSERT_EQ(tie_key(as_floats.positions, corners), tie_key(as_numbers.positions, corners));
+      }
+    }
   EXPECT_GT(met, 5000);
 }
 
