@@ -150,7 +150,7 @@ class Freezing {
     const LimitSurface surface = shown_surface(cell_, model_.smoothing(level_));
     const std::vector<Vec2d> uv = vertex_uv(mesh_);
     const UvLattice uv_lattice(mesh_, uv);
-    const PositionLattice lattice(model_, cell_, level_);
+    const PositionLattice lattice(model_, cell_);
     for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v)
       if (is_candidate_[v]) {
         const FadingVertex shown = faded(mesh_, v, Vec3f(surface.positions[v]), Vec3f(surface.normals[v]),

@@ -48,8 +48,11 @@ Model::Model(std::string name, Mesh base, std::vector<std::unique_ptr<Step>> ste
   constexpr double least = 1e-6;
   quantum_ = Quantum::for_reach(std::max(reach, least));
   coarsest_lattice_ =
-      Quantum::for_reach(std::max(reach_of(final_bounds(*this, base_extent_, 0)), least)).step() * 0x1p20;
-  for (const auto& s : steps_) s->set_quantum(quantum_);
+      Quantum::for_reach(std::max(reach_of(final_bounds(*this, base_extent_, 0)), least)).step() * 0x1p22;
+  for (const auto& s : steps_) {
+    s->set_quantum(quantum_);
+    s->set_shown_quantum(Quantum(coarsest_lattice_));
+  }
   for (Vec3d& p : base.positions) p = quantum_.round(p);
   base_.owned_faces = base.face_count();
   base_.rings.assign(base.face_count(), 0);
@@ -89,10 +92,6 @@ bool Model::drops_faces_later(int level) const {
 bool Model::enlarges_later(int level) const {
   while (level < levels() && !step(level).enlarges()) ++level;
   return level < levels();
-}
-
-bool Model::has_refined(int level) const {
-  return std::any_of(steps_.begin(), steps_.begin() + level, [](const auto& step) { return step->refines(); });
 }
 
 bool Model::is_two_refinements_in(int level) const {

@@ -38,7 +38,7 @@ class Model {
   int levels() const { return int(steps_.size()); }
   const Step& step(int level) const { return *steps_[std::size_t(level)]; }
   const Quantum& quantum() const { return quantum_; }
-  // How far the planes may be apart to whose crossings shown vertices are rounded (position_lattice.h): 2^-20 of a
+  // How far the planes may be apart to whose crossings shown vertices are rounded (position_lattice.h): 2^-18 of a
   // power of two above the reach of all that will grow, in full.
   double coarsest_lattice() const { return coarsest_lattice_; }
   const CellSettings& settings() const { return settings_; }
@@ -62,8 +62,6 @@ class Model {
   bool drops_faces_later(int level) const;
   // Whether anything that grows at `level` or later may be enlarged where it thins.
   bool enlarges_later(int level) const;
-  // Whether a step before `level` refines.
-  bool has_refined(int level) const;
   // Whether exactly two refinements lie between `level` and the last step before it that does not refine.
   bool is_two_refinements_in(int level) const;
   // What is shown of a mesh before step `level` on which nothing grows any more: the limit surface, if nothing but

@@ -1,9 +1,10 @@
-// PositionLattice: what positions are rounded to where they are shown on a surface that refinement has made.
+// PositionLattice: what positions are rounded to where they are shown.
 //
 // A surface keeps its positions on 16 bits an axis if they lie on few planes (surface_vertices.h). So they are rounded
 // to multiples of a power of two that follows from the vertex alone, whatever cell it stands in: 256 to 511 of them to
 // its nominal scale (level_of_detail.h), which is a diagonal of its faces; but no more than Model::coarsest_lattice(),
-// so that one margin holds for all bounds. The normals are those of the surface that is not rounded.
+// which is also that of vertices without a scale, so that one margin holds for all bounds. Normals are those of the
+// surface that is not rounded.
 #pragma once
 
 #include "geometry/cells/model.h"
@@ -16,18 +17,18 @@ namespace meristem {
 
 class PositionLattice {
  public:
-  // Of a cell before step `level`. Without a footprint, or before anything was refined, nothing is rounded.
-  PositionLattice(const Model& model, const CellMesh& cell, int level)
-      : scales_(cell.footprint && model.has_refined(level) && !cell.mesh.nominal_scale.empty()
+  // Without a footprint nothing is rounded, nor where a base mesh is shown as it was given.
+  PositionLattice(const Model& model, const CellMesh& cell)
+      : scales_(cell.footprint && model.levels() > 0 && !cell.mesh.nominal_scale.empty()
                     ? cell.mesh.nominal_scale.data()
                     : nullptr),
         coarsest_(model.coarsest_lattice()) {}
 
   // Never -0: that a vertex lies on a plane through the origin is one number.
   Vec3f round(std::uint32_t vertex, Vec3f p) const {
-    const double scale = scales_ ? scales_[vertex] : 0;
-    if (!(scale > 0)) return p + Vec3f(0.f);
-    const Quantum quantum(std::min(power_of_two(scale) * 0x1p-8, coarsest_));
+    if (!scales_) return p + Vec3f(0.f);
+    const double scale = scales_[vertex];
+    const Quantum quantum(scale > 0 ? std::min(power_of_two(scale) * 0x1p-8, coarsest_) : coarsest_);
     return Vec3f(quantum.round(Vec3d(p)));
   }
 

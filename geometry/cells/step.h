@@ -95,6 +95,8 @@ class Step {
   }
   // Told once, by the model's constructor, before any apply(): the grid on which it must place vertices.
   virtual void set_quantum(const Quantum& quantum) { (void)quantum; }
+  // What vertices are rounded to that the step shows for good, as it freezes them: Model::coarsest_lattice().
+  virtual void set_shown_quantum(const Quantum& quantum) { (void)quantum; }
   // Whether vertices are moved off the scheme's smooth position (so that no limit is known).
   virtual bool displaces() const { return false; }
   virtual bool refines() const { return false; }

@@ -333,7 +333,7 @@ Tessellation tessellate(const Model& model, const CellMesh& cell, int level, con
     if (out.has_uv) vertex_uv.reserve(vertices);
   }
   const ShownSurface surface(cell, model.smoothing(level), out.has_uv);
-  const PositionLattice lattice(model, cell, level);
+  const PositionLattice lattice(model, cell);
   Tessellator(cell.mesh, level, model.next_scheme(level), &surface, &lattice, out, vertex_uv, uv_ranges)
       .add(cell.owned_faces, squares);
   for (const DoneFaces& d : done)

@@ -20,8 +20,12 @@ namespace meristem {
 class PlantMesh {
  public:
   // Appends to `mesh`, whose attributes must be those of the mesh before the step.
-  PlantMesh(Mesh& mesh, const Quantum& quantum, bool uv_by_corner, Key step_key)
-      : mesh_(mesh), quantum_(quantum), uv_by_corner_(uv_by_corner), step_key_(step_key) {}
+  PlantMesh(Mesh& mesh, const Quantum& quantum, const Quantum& shown_quantum, bool uv_by_corner, Key step_key)
+      : mesh_(mesh),
+        quantum_(quantum),
+        shown_quantum_(shown_quantum),
+        uv_by_corner_(uv_by_corner),
+        step_key_(step_key) {}
 
   bool has_uv_by_corner() const { return uv_by_corner_; }
   std::uint32_t vertex_count() const { return vertices_; }
@@ -119,7 +123,7 @@ class PlantMesh {
         FrozenVertex& frozen = mesh_.frozen[v];
         if (frozen.is_frozen) continue;
         const Vec2d uv = uv_of(c);
-        frozen = {true, false, Vec3f(mesh_.positions[v]), normalize(frozen.normal),
+        frozen = {true, false, Vec3f(shown_quantum_.round(mesh_.positions[v])), normalize(frozen.normal),
                   on_uv_lattice(Vec2f{float(uv.x), float(uv.y)}, width)};
       }
   }
@@ -168,7 +172,7 @@ class PlantMesh {
   }
 
   Mesh& mesh_;
-  const Quantum& quantum_;
+  const Quantum &quantum_, &shown_quantum_;
   const bool uv_by_corner_;
   const Key step_key_;
   std::uint32_t vertices_ = 0, faces_ = 0, corners_ = 0;  // those that are there; the arrays may be longer

@@ -191,7 +191,7 @@ class WeberPennStep::Application {
         plant_(*step.plant_),
         in_(in),
         out_(out),
-        grown_(out.mesh, step.quantum_, !in.mesh.corner_uv.empty() || in.mesh.uv.empty(),
+        grown_(out.mesh, step.quantum_, step.shown_quantum_, !in.mesh.corner_uv.empty() || in.mesh.uv.empty(),
                hash_keys(step_tag, Key(step.level_))),
         kept_vertices_(in.mesh.vertex_count(), none),
         kept_origins_(in.mesh.origins.size(), none) {

@@ -49,6 +49,7 @@ class WeberPennStep final : public Step {
   bool thins() const override { return true; }
   double thinned_faces(const FaceOrigin& bud, double footprint, double refined) const override;
   void set_quantum(const Quantum& quantum) override { quantum_ = quantum; }
+  void set_shown_quantum(const Quantum& quantum) override { shown_quantum_ = quantum; }
 
  private:
   class Application;
@@ -63,7 +64,7 @@ class WeberPennStep final : public Step {
 
   std::shared_ptr<const WeberPennPlant> plant_;
   const int level_;
-  Quantum quantum_;
+  Quantum quantum_, shown_quantum_;
 };
 
 // The triangle of a bud: corners in order, so that its face frame is `frame`.

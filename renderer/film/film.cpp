@@ -212,24 +212,39 @@ std::array<Spectrum, 2> Film::halves(int x, int y) const {
 }
 
 Image Film::develop() const {
-  Image image{window_.width(), window_.height(), 4, {}};
-  image.pixels.reserve(pixels_.size() * 4);
-  for (const Pixel& p : pixels_) {
-    const double d = divisor(p);
-    for (const ExactSum& sum : p.sum) image.pixels.push_back(d > 0 ? float(sum.value() / d) : 0.0f);
-    image.pixels.push_back(d > 0 ? float(std::clamp(p.covered / d, 0.0, 1.0)) : 0.0f);
-  }
+  Image image{window_.width(), window_.height(), 4, std::vector<float>(pixels_.size() * 4)};
+  develop(0, window_.height(), image.pixels.data());
   return image;
 }
 
+void Film::develop(int begin, int end, float* values) const {
+  for (const Pixel& p : rows(begin, end)) {
+    const double d = divisor(p);
+    for (const ExactSum& sum : p.sum) *values++ = d > 0 ? float(sum.value() / d) : 0.0f;
+    *values++ = d > 0 ? float(std::clamp(p.covered / d, 0.0, 1.0)) : 0.0f;
+  }
+}
+
 Image Film::develop(Aov aov) const {
+  const std::size_t channels = info_of(aov).channels.size();
+  Image image{window_.width(), window_.height(), int(channels), std::vector<float>(pixels_.size() * channels)};
+  develop(aov, 0, window_.height(), image.pixels.data());
+  return image;
+}
+
+void Film::develop(Aov aov, int begin, int end, float* values) const {
   CHECK(has(aov), "the film does not have {}", info_of(aov).name);
   const std::size_t channels = info_of(aov).channels.size();
   CHECK(channels > 0, "{} is a matte", info_of(aov).name);
-  Image image{window_.width(), window_.height(), int(channels), std::vector<float>(pixels_.size() * channels)};
-  for (std::size_t i = 0; i < pixels_.size(); ++i)
-    if (pixels_[i].samples > 0) develop_pixel(aov, i, &image.pixels[i * channels]);
-  return image;
+  std::size_t i = index(window_.x0, window_.y0 + begin);
+  for (const Pixel& p : rows(begin, end)) {
+    if (p.samples > 0)
+      develop_pixel(aov, i, values);
+    else
+      std::fill_n(values, channels, 0.0f);
+    ++i;
+    values += channels;
+  }
 }
 
 void Film::develop_pixel(Aov aov, std::size_t i, float* out) const {
@@ -271,14 +286,22 @@ void Film::develop_pixel(Aov aov, std::size_t i, float* out) const {
 }
 
 Image Film::develop_matte(Aov aov, const std::vector<std::uint32_t>& hashes, int layers) const {
+  const std::size_t channels = std::size_t(layers) * 4;
+  Image image{window_.width(), window_.height(), int(channels), std::vector<float>(pixels_.size() * channels)};
+  develop_matte(aov, hashes, layers, 0, window_.height(), image.pixels.data());
+  return image;
+}
+
+void Film::develop_matte(Aov aov, const std::vector<std::uint32_t>& hashes, int layers, int begin, int end,
+                         float* values) const {
   const auto found = std::ranges::find(matte_aovs, aov);
   CHECK(found != matte_aovs.end() && has(aov), "the film has no matte {}", info_of(aov).name);
   const Matte& matte = mattes_[std::size_t(found - matte_aovs.begin())];
-  const std::size_t channels = std::size_t(layers) * 4;
-  Image image{window_.width(), window_.height(), int(channels), std::vector<float>(pixels_.size() * channels)};
-  for (std::size_t i = 0; i < pixels_.size(); ++i)
-    cryptomatte::write_ranks(matte.entries(i), hashes, divisor(pixels_[i]), layers, &image.pixels[i * channels]);
-  return image;
+  std::size_t i = index(window_.x0, window_.y0 + begin);
+  for (const Pixel& p : rows(begin, end)) {
+    cryptomatte::write_ranks(matte.entries(i++), hashes, divisor(p), layers, values);
+    values += 4 * layers;
+  }
 }
 
 }  // namespace meristem

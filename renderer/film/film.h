@@ -20,6 +20,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace meristem {
@@ -79,6 +80,11 @@ class Film {
   // The matte of an AOV of aovs(), `layers` of two ranks each: 4 * layers channels (cryptomatte.h); `hashes` of the
   // names by number.
   Image develop_matte(Aov aov, const std::vector<std::uint32_t>& hashes, int layers) const;
+  // The same of rows from `begin` up to `end` of the window alone. Any thread, while nothing is added.
+  void develop(int begin, int end, float* values) const;
+  void develop(Aov aov, int begin, int end, float* values) const;
+  void develop_matte(Aov aov, const std::vector<std::uint32_t>& hashes, int layers, int begin, int end,
+                     float* values) const;
 
  private:
   friend class FilmStorage;  // of film files
@@ -117,6 +123,10 @@ class Film {
     return std::size_t(y - window_.y0) * std::size_t(window_.width()) + std::size_t(x - window_.x0);
   }
   const Pixel& pixel(int x, int y) const { return pixels_[index(x, y)]; }
+  std::span<const Pixel> rows(int begin, int end) const {
+    const auto width = std::size_t(window_.width());
+    return std::span(pixels_).subspan(std::size_t(begin) * width, std::size_t(end - begin) * width);
+  }
   double divisor(const Pixel& p) const;
   double divisor(std::int32_t weight, std::uint32_t finite_samples) const;
   void add_first_surface(std::size_t i, const FilmSample& sample);

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <span>
 #include <sstream>
 
@@ -21,24 +22,15 @@ namespace {
 constexpr float max_half = 65504.0f;
 constexpr int deflate_level = 4;  // 6 takes twice the time for a percent
 
-void check_part(const ExrPart& part, const Image& first) {
-  const Image& image = part.image;
-  CHECK(image.width == first.width && image.height == first.height, "part {} has another size", part.name);
-  CHECK(part.channels.size() == std::size_t(image.channels), "part {} has {} channels and {} names", part.name,
-        image.channels, part.channels.size());
-  CHECK(image.pixels.size() == std::size_t(image.width) * std::size_t(image.height) * part.channels.size(),
-        "part {} has {} values", part.name, image.pixels.size());
-}
-
-// Clamps to the range of a half and counts what changes. NaN stays.
-std::vector<float> clamped(std::span<const float> values, std::size_t& outside) {
-  std::vector<float> result(values.begin(), values.end());
-  for (float& value : result)
+// Clamps to the range of a half and returns how many that changes. NaN stays.
+std::size_t clamp_to_half(std::span<float> values) {
+  std::size_t outside = 0;
+  for (float& value : values)
     if (std::abs(value) > max_half) {
       value = std::copysign(max_half, value);
       ++outside;
     }
-  return result;
+  return outside;
 }
 
 std::int64_t append(exr_const_context_t, void* file, const void* data, std::uint64_t size, std::uint64_t offset,
@@ -105,7 +97,7 @@ void ExrFile::add_header(const ExrPart& part, const ExrFrame& frame) {
   check(exr_set_longname_support(context_, 1));
   check(exr_add_part(context_, part.name.c_str(), EXR_STORAGE_SCANLINE, &index));
   const exr_attr_box2i_t full{{0, 0}, {frame.full_width - 1, frame.full_height - 1}};
-  const exr_attr_box2i_t data{{frame.x, frame.y}, {frame.x + part.image.width - 1, frame.y + part.image.height - 1}};
+  const exr_attr_box2i_t data{{frame.x, frame.y}, {frame.x + part.rows.width - 1, frame.y + part.rows.height - 1}};
   const exr_attr_v2f_t center{0, 0};
   check(exr_initialize_required_attr(context_, index, &full, &data, 1, &center, 1, EXR_LINEORDER_INCREASING_Y,
                                      EXR_COMPRESSION_ZIP));
@@ -160,8 +152,8 @@ std::string ExrFile::encoded(const exr_chunk_info_t& block, int part_index, cons
     const auto place = std::ranges::find(part.channels, channel.channel_name) - part.channels.begin();
     channel.user_data_type = EXR_PIXEL_FLOAT;
     channel.user_bytes_per_element = sizeof(float);
-    channel.user_pixel_stride = part.image.channels * int(sizeof(float));
-    channel.user_line_stride = part.image.width * channel.user_pixel_stride;
+    channel.user_pixel_stride = int(part.channels.size() * sizeof(float));
+    channel.user_line_stride = part.rows.width * channel.user_pixel_stride;
     channel.encode_from_ptr = reinterpret_cast<const std::uint8_t*>(values + place);
   }
   check(exr_encoding_choose_default_routines(context_, part_index, &pipeline));
@@ -182,16 +174,15 @@ std::size_t ExrFile::add_blocks(int part_index, const ExrPart& part, int first_r
   std::vector<std::string> blocks;
   blocks.resize(std::size_t(count));
   std::atomic<std::size_t> outside{0};
-  const std::size_t row_values = std::size_t(part.image.width) * part.channels.size();
+  const std::size_t row_values = std::size_t(part.rows.width) * part.channels.size();
   parallel_for(blocks.size(), [&](std::size_t i) {
     exr_chunk_info_t block{};
-    check(exr_write_scanline_chunk_info(context_, part_index, first_row + int(i) * rows, &block));
-    const std::span values(&part.image.pixels[i * std::size_t(rows) * row_values],
-                           std::size_t(block.height) * row_values);
-    std::size_t outside_here = 0;
-    blocks[i] = part.half ? encoded(block, part_index, part, clamped(values, outside_here).data())
-                          : encoded(block, part_index, part, values.data());
-    outside += outside_here;
+    const int row = int(i) * rows;
+    check(exr_write_scanline_chunk_info(context_, part_index, first_row + row, &block));
+    std::vector<float> values(std::size_t(block.height) * row_values);
+    part.rows.fill(row, row + block.height, values.data());
+    if (part.half) outside += clamp_to_half(values);
+    blocks[i] = encoded(block, part_index, part, values.data());
   });
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     check(
@@ -203,10 +194,21 @@ std::size_t ExrFile::add_blocks(int part_index, const ExrPart& part, int first_r
 
 }  // namespace
 
+ExrRows::ExrRows(Image image) : width(image.width), height(image.height) {
+  const std::size_t row_values = std::size_t(width) * std::size_t(image.channels);
+  CHECK(image.pixels.size() == std::size_t(height) * row_values, "{} values for {} x {} x {}", image.pixels.size(),
+        width, height, image.channels);
+  fill = [row_values, kept = std::make_shared<const Image>(std::move(image))](int begin, int end, float* values) {
+    std::copy_n(&kept->pixels[std::size_t(begin) * row_values], std::size_t(end - begin) * row_values, values);
+  };
+}
+
 std::size_t write_exr_parts(const std::string& path, const std::vector<ExrPart>& parts, const ExrFrame& frame,
                             const Metadata& metadata) {
   CHECK(!parts.empty(), "an EXR file without parts");
-  for (const ExrPart& part : parts) check_part(part, parts[0].image);
+  for (const ExrPart& part : parts)
+    CHECK(part.rows.width == parts[0].rows.width && part.rows.height == parts[0].rows.height,
+          "part {} has another size", part.name);
   ExrFile file(path);
   for (const ExrPart& part : parts) file.add_header(part, frame);
   file.add_metadata(0, metadata);

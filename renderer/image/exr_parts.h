@@ -7,15 +7,30 @@
 #include "renderer/image/image.h"
 
 #include <cstddef>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace meristem {
 
+// What the rows of a part hold, as they are asked for: no part has to lie in memory as a whole.
+struct ExrRows {
+  // Writes rows from `begin` up to `end`, channels interleaved. Called by several threads at once.
+  using Fill = std::function<void(int begin, int end, float* values)>;
+
+  ExrRows(int width_, int height_, Fill fill_) : width(width_), height(height_), fill(std::move(fill_)) {}
+  // Of an image, which it keeps.
+  ExrRows(Image image);
+
+  int width, height;
+  Fill fill;
+};
+
 struct ExrPart {
   std::string name;
-  std::vector<std::string> channels;  // as many names as the image has channels
-  Image image;
+  std::vector<std::string> channels;
+  ExrRows rows;
   bool half = false;  // 16-bit halves; else 32-bit floats
   bool color = true;  // scene-linear Rec.709, and says so; else data
   Metadata metadata = {};

@@ -42,7 +42,7 @@ TEST(PositionLattice, StepsAreASmallShareOfTheFaces) {
   const auto model = bumpy_model(shapes::cube(), 6, 0.2);
   const ConstantFootprint footprint(1e-3);
   const CellMesh cell = refined(*model, footprint);
-  const PositionLattice lattice(*model, cell, 2);
+  const PositionLattice lattice(*model, cell);
   const Vec3f p{0.123456f, -0.654321f, 0.3333333f};
   int moved = 0;
   for (std::uint32_t v = 0; v < cell.mesh.vertex_count(); ++v) {
@@ -57,26 +57,34 @@ TEST(PositionLattice, StepsAreASmallShareOfTheFaces) {
   EXPECT_GT(moved, 0);
 }
 
-TEST(PositionLattice, LeavesAloneWhatWasNeverRefinedOrHasNoFootprint) {
-  const auto model = bumpy_model(shapes::cube(), 6, 0.2);
+TEST(PositionLattice, LeavesAloneWhatHasNoFootprintOrIsShownAsGiven) {
+  const auto model = bumpy_model(shapes::cube(), 6, 0.2), given = bumpy_model(shapes::cube(), 0, 0);
   const ConstantFootprint footprint(1e-3);
   CellMesh cell = refined(*model, footprint);
   const Vec3f p{0.123456f, -0.654321f, 0.3333333f};
-  EXPECT_EQ(PositionLattice(*model, cell, 0).round(0, p), p);
-  EXPECT_NE(PositionLattice(*model, cell, 2).round(0, p), p);
+  EXPECT_NE(PositionLattice(*model, cell).round(0, p), p);
+  EXPECT_EQ(PositionLattice(*given, cell).round(0, p), p);
   cell.footprint = nullptr;
-  EXPECT_EQ(PositionLattice(*model, cell, 2).round(0, p), p);
+  EXPECT_EQ(PositionLattice(*model, cell).round(0, p), p);
+}
+
+TEST(PositionLattice, IsTheCoarsestForVerticesWithoutAScale) {
+  const auto model = bumpy_model(shapes::cube(), 6, 0.2);
+  const ConstantFootprint footprint(1e-3);
+  CellMesh cell = refined(*model, footprint);
+  cell.mesh.nominal_scale[0] = 0;
+  const Vec3f p = PositionLattice(*model, cell).round(0, {0.123456f, -0.654321f, 0.3333333f});
+  for (const float x : {p.x, p.y, p.z}) EXPECT_TRUE(is_multiple(double(x), model->coarsest_lattice()));
 }
 
 TEST(PositionLattice, NoZeroIsNegative) {
   const auto model = bumpy_model(shapes::cube(), 6, 0.2);
   const ConstantFootprint footprint(1e-3);
-  const CellMesh cell = refined(*model, footprint);
-  for (const int level : {0, 2}) {
-    const Vec3f p = PositionLattice(*model, cell, level).round(0, {-0.f, -1e-12f, -0.f});
-    EXPECT_FALSE(std::signbit(p.x) || std::signbit(p.z));
-    EXPECT_TRUE(level == 0 || !std::signbit(p.y));
-  }
+  CellMesh cell = refined(*model, footprint);
+  const Vec3f rounded = PositionLattice(*model, cell).round(0, {-0.f, -1e-12f, 1});
+  EXPECT_FALSE(std::signbit(rounded.x) || std::signbit(rounded.y));
+  cell.footprint = nullptr;
+  EXPECT_FALSE(std::signbit(PositionLattice(*model, cell).round(0, {-0.f, 1, 1}).x));
 }
 
 // What all this is for. Small leaves of rough faces, of one level and of several.

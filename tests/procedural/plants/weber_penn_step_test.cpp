@@ -23,7 +23,7 @@ void expect_closed_stems(const WeberPennParameters& p, Key key, bool is_smoothed
   for_each_stem(p, trunk_of(p, key), [&](const Stem& stem) {
     Mesh mesh;
     const Quantum quantum(0x1p-35);
-    PlantMesh out(mesh, quantum, true, 1);
+    PlantMesh out(mesh, quantum, quantum, true, 1);
     out.begin_bud(stem.bud().key);
     StemDetail detail;
     detail.sides = stem.bud().level == 0 ? 16 : stem.bud().level == 1 ? 8 : 4;

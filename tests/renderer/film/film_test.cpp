@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace meristem {
 namespace {
@@ -95,6 +97,31 @@ TEST(Film, WeightsThatCancelDoNotBlowUp) {
   film.add(0, 0, {.radiance = {1.0f, 1, 1}, .covered = true, .weight = 1});
   film.add(0, 0, {.radiance = {0.5f, 1, 1}, .covered = true, .weight = -1});
   EXPECT_NEAR(film.develop().pixels[0], 0.5f / 0.7f, 1e-6f);
+}
+
+// Each part of a file asks for its own rows; what stands there before does not show.
+TEST(Film, RowsAreThoseOfTheWholeImage) {
+  const std::vector<Aov> aovs{Aov::Normal, Aov::Z, Aov::Samples};
+  Film film({100, 50, 103, 55}, 1, aovs);
+  FirstSurface first;
+  first.hit.t = 1;
+  for (int y = 50; y < 55; ++y)
+    for (int x = 100; x < 103; x += 1 + y % 2) {
+      const float value = float(10 * y + x);
+      first.hit.shading_normal = Vec3f(1 / value);
+      film.add(x, y, {.radiance = Spectrum(value), .first = &first, .depth = value});
+    }
+  const auto expect_rows = [&](const Image& whole, const auto& develop) {
+    const std::size_t row = 3 * std::size_t(whole.channels);
+    for (const auto& [begin, end] : {std::pair(0, 1), {1, 4}, {4, 5}, {0, 5}}) {
+      std::vector<float> rows(std::size_t(end - begin) * row, -1);
+      develop(begin, end, rows.data());
+      EXPECT_TRUE(std::ranges::equal(rows, std::span(whole.pixels).subspan(std::size_t(begin) * row, rows.size())));
+    }
+  };
+  expect_rows(film.develop(), [&](int begin, int end, float* values) { film.develop(begin, end, values); });
+  for (const Aov aov : aovs)
+    expect_rows(film.develop(aov), [&](int begin, int end, float* values) { film.develop(aov, begin, end, values); });
 }
 
 TEST(Film, AWindowLiesAnywhereInTheFrame) {
