@@ -47,6 +47,7 @@ Mesh extract(const Mesh& mesh, const Origins& face_origins, const Uvs& corner_uv
   part.frozen = gather(mesh.frozen, vertices.indices());
   part.fading = gather(mesh.fading, vertices.indices());
   part.enlargements = gather(mesh.enlargements, faces);
+  part.seam_widths = gather(mesh.seam_widths, faces);
   part.origins = gather(face_origins, origins.indices());
   return part;
 }

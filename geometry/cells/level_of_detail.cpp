@@ -157,6 +157,13 @@ class Freezing {
                                          Vec2f{float(uv[v].x), float(uv[v].y)});
         mesh_.frozen[v] = {true, false, lattice.round(v, shown.position), shown.normal, uv_lattice.round(v, shown.uv)};
       }
+    if (!has_seams(mesh_)) return;
+    for (std::size_t c = 0; c < mesh_.corner_uv.size(); ++c) {
+      const std::uint32_t v = mesh_.corner_vertices[c];
+      if (!is_candidate_[v]) continue;
+      const Vec2f own = uv_lattice.round(v, {float(mesh_.corner_uv[c].x), float(mesh_.corner_uv[c].y)});
+      mesh_.corner_uv[c] = {double(own.x), double(own.y)};
+    }
   }
 
   void freeze_in_boxes(const FrozenBox& visit) {

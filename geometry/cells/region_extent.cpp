@@ -4,6 +4,7 @@
 #include "geometry/cells/footprint.h"
 #include "geometry/cells/position_lattice.h"
 #include "geometry/mesh/contraction.h"
+#include "geometry/mesh/refine.h"
 
 #include <algorithm>
 #include <unordered_map>
@@ -83,6 +84,9 @@ class ExtentBuilder {
       extend(extent_.u, uv.x, first_uv_);
       extend(extent_.v, uv.y, first_uv_);
       first_uv_ = false;
+      if (!has_seams(mesh_)) continue;  // else what grows on the face sees its own
+      extend(extent_.u, mesh_.corner_uv[c].x, false);
+      extend(extent_.v, mesh_.corner_uv[c].y, false);
     }
   }
 

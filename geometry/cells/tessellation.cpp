@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <unordered_map>
 
 namespace meristem {
 
@@ -109,6 +110,7 @@ class Tessellator {
         vertex_uv_(vertex_uv),
         uv_ranges_(uv_ranges),
         leaf_(std::uint32_t(out.leaves.size())),
+        has_seams_(out.has_uv && meristem::has_seams(mesh)),
         origins_(mesh.origins.size(), none) {
     out.leaves.push_back({{}, level});
   }
@@ -136,6 +138,7 @@ class Tessellator {
   void add_grid(std::uint32_t first, int levels) {
     const std::uint32_t side = 1u << levels, width = side + 1;
     grid_vertices_.assign(std::size_t(width) * width, 0);
+    if (has_seams_) grid_uv_.assign(std::size_t(width) * width, {});
     for (std::uint32_t k = 0; k < side * side; ++k) {
       std::uint32_t i = 0, j = 0;
       for (int level = levels; level-- > 0;) {
@@ -144,10 +147,11 @@ class Tessellator {
         j = j * 2 + (child >= 2);
       }
       const auto c = mesh_.corners(first + k);
-      grid_vertices_[j * width + i] = c[0];
-      grid_vertices_[j * width + i + 1] = c[1];
-      grid_vertices_[(j + 1) * width + i + 1] = c[2];
-      grid_vertices_[(j + 1) * width + i] = c[3];
+      const std::uint32_t places[4] = {j * width + i, j * width + i + 1, (j + 1) * width + i + 1, (j + 1) * width + i};
+      for (std::uint32_t corner = 0; corner < 4; ++corner) {
+        grid_vertices_[places[corner]] = c[corner];
+        if (has_seams_) grid_uv_[places[corner]] = own_uv(first + k, corner);
+      }
     }
     grid_width_ = width;
     grid_origin_ = origin_of(first);
@@ -190,7 +194,7 @@ class Tessellator {
 
   void add_triangle(std::uint32_t face, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     if (is_shown_together(a, b) || is_shown_together(b, c) || is_shown_together(c, a)) return;
-    out_.triangles.push_back({shared_vertex(a), shared_vertex(b), shared_vertex(c)});
+    out_.triangles.push_back({shared_vertex(face, a), shared_vertex(face, b), shared_vertex(face, c)});
     out_.triangle_sources.push_back({origin_of(face), leaf_});
   }
 
@@ -223,7 +227,10 @@ class Tessellator {
     const auto base = std::uint32_t(out_.positions.size());
     const auto width = std::uint16_t(size / step + 1);
     for (std::uint32_t j = 0; j <= size; j += step)
-      for (std::uint32_t i = 0; i <= size; i += step) add_vertex(grid_vertex(i0 + i, j0 + j));
+      for (std::uint32_t i = 0; i <= size; i += step) {
+        const std::uint32_t added = add_vertex(grid_vertex(i0 + i, j0 + j));
+        if (has_seams_) vertex_uv_[added] = grid_uv_[(j0 + j) * grid_width_ + i0 + i];
+      }
     if (out_.has_uv) {
       UvRange range;
       for (std::size_t v = base; v < vertex_uv_.size(); ++v) range.add(vertex_uv_[v]);
@@ -261,10 +268,28 @@ class Tessellator {
     if (out_.has_uv) vertex_uv_.push_back(uv);
     return std::uint32_t(out_.positions.size()) - 1;
   }
-  std::uint32_t shared_vertex(std::uint32_t v) {
+  std::uint32_t shared_vertex(std::uint32_t face, std::uint32_t v) {
+    if (has_seams_) return vertex_of_face(face, v);
     if (shared_.empty()) shared_.assign(mesh_.vertex_count(), none);
     if (shared_[v] == none) shared_[v] = add_vertex(v);
     return shared_[v];
+  }
+
+  // Of a mesh with seams: one for each pair of u, v that faces have there.
+  std::uint32_t vertex_of_face(std::uint32_t face, std::uint32_t v) {
+    const auto corners = mesh_.corners(face);
+    const Vec2f uv = own_uv(face, std::uint32_t(std::ranges::find(corners, v) - corners.begin()));
+    std::vector<std::uint32_t>& known = split_[v];
+    for (const std::uint32_t vertex : known)
+      if (vertex_uv_[vertex] == uv) return vertex;
+    known.push_back(add_vertex(v));
+    vertex_uv_[known.back()] = uv;
+    return known.back();
+  }
+  Vec2f own_uv(std::uint32_t face, std::uint32_t corner) const {
+    const std::uint32_t c = mesh_.face_starts[face] + corner, v = mesh_.corner_vertices[c];
+    const Vec2f uv{float(mesh_.corner_uv[c].x), float(mesh_.corner_uv[c].y)};
+    return !mesh_.frozen.empty() && mesh_.frozen[v].is_frozen ? uv : surface_->uv_lattice->round(v, uv);
   }
 
   const Mesh& mesh_;
@@ -275,8 +300,11 @@ class Tessellator {
   std::vector<Vec2f>& vertex_uv_;    // of the output
   std::vector<UvRange>& uv_ranges_;  // of its grids
   const std::uint32_t leaf_;
+  const bool has_seams_;  // in u, v, if these are wanted
   std::vector<std::uint32_t> origins_;  // by number in the mesh: in the tessellation
   std::vector<std::uint32_t> grid_vertices_, shared_;
+  std::vector<Vec2f> grid_uv_;                                           // of a mesh with seams
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> split_;  // likewise: the vertices there
   std::uint32_t grid_width_ = 0, grid_origin_ = 0;
 };
 

@@ -42,8 +42,12 @@ void widen_by_corners(const Mesh& mesh, std::span<const Vec2d> uv, Vec2f* widths
 }  // namespace
 
 UvLattice::UvLattice(const Mesh& mesh, std::span<const Vec2d> uv) : widths_(mesh.vertex_count(), Vec2f{}) {
-  if (!mesh.corner_uv.empty()) widen_by_corners(mesh, uv, widths_.data());
-  if (mesh.uv.empty()) return;
+  // Not by the corners: those of a face beyond the cell's are not known once levels of detail differ
+  for (std::uint32_t f = 0; f < mesh.seam_widths.size(); ++f)
+    for (const std::uint32_t v : mesh.corners(f))
+      store_uv(widths_[v], _mm_max_ps(load_uv(mesh.seam_widths[f]), load_uv(widths_[v])));
+  if (mesh.uv.empty() && !mesh.corner_uv.empty()) widen_by_corners(mesh, uv, widths_.data());
+  if (mesh.uv.empty() || !mesh.seam_widths.empty()) return;
   const std::uint32_t* const corners = mesh.corner_vertices.data();
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     const std::uint32_t first = mesh.face_starts[f], count = mesh.face_starts[f + 1] - first;

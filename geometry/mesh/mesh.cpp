@@ -47,8 +47,9 @@ namespace {
 template <class Mesh, class Visit>
 void for_each_array(Mesh& m, const Visit& visit) {
   const auto all = [&](auto&... lists) { (visit(lists), ...); };
-  all(m.face_starts, m.corner_vertices, m.face_keys, m.face_origins, m.enlargements, m.corner_uv, m.corner_sharpness,
-      m.positions, m.vertex_keys, m.uv, m.vertex_sharpness, m.nominal_scale, m.frozen, m.fading, m.origins);
+  all(m.face_starts, m.corner_vertices, m.face_keys, m.face_origins, m.enlargements, m.seam_widths, m.corner_uv,
+      m.corner_sharpness, m.positions, m.vertex_keys, m.uv, m.vertex_sharpness, m.nominal_scale, m.frozen, m.fading,
+      m.origins);
 }
 
 }  // namespace

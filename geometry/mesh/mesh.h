@@ -51,17 +51,18 @@ struct Mesh {
   std::vector<Key> face_keys;
   std::vector<std::uint32_t> face_origins;  // index into origins: what growth gave the face
   std::vector<Enlargement> enlargements;    // empty: none; or one a face
+  std::vector<Vec2f> seam_widths;           // where a texture has seams: how wide each face is in u and v, about
 
   // Corners. Empty or one a corner.
-  std::vector<Vec2d> corner_uv;  // present from the base mesh through growth: each face's own u, v; averaged into `uv`
-                                 // by the first subdivision
+  std::vector<Vec2d> corner_uv;  // each face's own u, v: from the base mesh through growth, averaged into `uv` by the
+                                 // first subdivision; beside `uv` (then shown) where a texture has seams, throughout
   std::vector<float> corner_sharpness;  // crease sharpness of the edge from this corner to the next, 0 to 10; both
                                         // faces of an edge agree
 
   // Vertices
   std::vector<Vec3d> positions;
   std::vector<Key> vertex_keys;
-  std::vector<Vec2d> uv;                // present after the first subdivision (then corner_uv is empty)
+  std::vector<Vec2d> uv;                // present after the first subdivision, and where a texture has seams
   std::vector<float> vertex_sharpness;  // empty or one a vertex
   // Level of detail (geometry/cells/level_of_detail.h); empty where everything is wanted in full.
   std::vector<double> nominal_scale;  // the local scale that refinement alone leaves; 0: not measured yet

@@ -4,6 +4,7 @@
 #include "geometry/mesh/face_sums.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace meristem {
 
@@ -241,6 +242,64 @@ std::vector<FadingVertex> refined_fading(const Mesh& mesh, const RefinePlan& pla
   return out;
 }
 
+// u, v of the corners of one face, one level further: straight between its own corners, so that no other face is asked
+// and seams stay; what is frozen is shown at its corner.
+class RefinedCornerUv {
+ public:
+  explicit RefinedCornerUv(const Mesh& mesh) : mesh_(mesh) {}
+
+  // Of the child's corners, as RefinePlan turns them.
+  void add_child_of_quads(std::uint32_t face, std::uint32_t child, std::vector<Vec2d>& out) const {
+    const std::uint32_t n = mesh_.corner_count(face), turn = n == 4 ? child : 0;
+    const Vec2d ring[4] = {corner(face, child), edge(face, child), middle(face), edge(face, (child + n - 1) % n)};
+    for (std::uint32_t k = 0; k < 4; ++k) out.push_back(ring[(k + 4 - turn) % 4]);
+  }
+  void add_child_of_triangles(std::uint32_t face, std::uint32_t child, std::vector<Vec2d>& out) const {
+    switch (child) {
+      case 0: out.insert(out.end(), {corner(face, 0), edge(face, 0), edge(face, 2)}); break;
+      case 1: out.insert(out.end(), {edge(face, 0), corner(face, 1), edge(face, 1)}); break;
+      case 2: out.insert(out.end(), {edge(face, 2), edge(face, 1), corner(face, 2)}); break;
+      default: out.insert(out.end(), {edge(face, 0), edge(face, 1), edge(face, 2)});
+    }
+  }
+
+ private:
+  Vec2d corner(std::uint32_t face, std::uint32_t k) const { return mesh_.corner_uv[mesh_.face_starts[face] + k]; }
+  bool is_frozen(std::uint32_t vertex) const { return !mesh_.frozen.empty() && mesh_.frozen[vertex].is_frozen; }
+  static Vec2d rounded(Vec2d uv) { return {unit_quantum.round(uv.x), unit_quantum.round(uv.y)}; }
+
+  // On the edge from corner k on.
+  Vec2d edge(std::uint32_t face, std::uint32_t k) const {
+    const auto corners = mesh_.corners(face);
+    const std::uint32_t next = k + 1 < corners.size() ? k + 1 : 0, a = corners[k], b = corners[next];
+    if (is_frozen(a) && is_frozen(b)) return corner(face, done_edge_place(mesh_, a, b) == a ? k : next);
+    return rounded((corner(face, k) + corner(face, next)) * 0.5);
+  }
+  Vec2d middle(std::uint32_t face) const {
+    const auto corners = mesh_.corners(face);
+    if (std::ranges::all_of(corners, [&](std::uint32_t v) { return is_frozen(v); }))
+      return corner(face, std::uint32_t(std::ranges::find(corners, done_face_place(mesh_, face)) - corners.begin()));
+    Vec2d sum;
+    for (std::uint32_t k = 0; k < corners.size(); ++k) sum = sum + corner(face, k);
+    return rounded(sum * (1.0 / double(corners.size())));
+  }
+
+  const Mesh& mesh_;
+};
+
+std::vector<Vec2d> refined_corner_uv(const Mesh& mesh, const RefinePlan& plan) {
+  std::vector<Vec2d> out;
+  if (!has_seams(mesh)) return out;
+  out.reserve(plan.corner_vertices.size());
+  const RefinedCornerUv refined(mesh);
+  for (std::size_t f = 0; f < plan.face_parents.size(); ++f)
+    if (plan.corners_per_face == 3)
+      refined.add_child_of_triangles(plan.face_parents[f], plan.face_child_index[f], out);
+    else
+      refined.add_child_of_quads(plan.face_parents[f], plan.face_child_index[f], out);
+  return out;
+}
+
 double mean_edge(std::span<const Vec3d> p, const std::uint32_t* c) {
   return (length(p[c[1]] - p[c[0]]) + length(p[c[2]] - p[c[1]]) + length(p[c[0]] - p[c[2]])) / 3;
 }
@@ -302,6 +361,34 @@ std::vector<Vec2d> vertex_uv(const Mesh& mesh) {
   return uv;
 }
 
+bool corners_differ(const Mesh& mesh) {
+  std::vector<const Vec2d*> first(mesh.vertex_count(), nullptr);
+  for (std::size_t c = 0; c < mesh.corner_uv.size(); ++c) {
+    const Vec2d*& known = first[mesh.corner_vertices[c]];
+    if (!known) known = &mesh.corner_uv[c];
+    if (*known != mesh.corner_uv[c]) return true;
+  }
+  return false;
+}
+
+void keep_seams(Mesh& mesh) {
+  mesh.uv = vertex_uv(mesh);
+  for (Vec2d& uv : mesh.corner_uv) uv = {unit_quantum.round(uv.x), unit_quantum.round(uv.y)};
+  mesh.seam_widths.clear();
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) mesh.seam_widths.push_back(seam_width(mesh, f));
+}
+
+Vec2f seam_width(const Mesh& mesh, std::uint32_t face) {
+  Vec2d low{INFINITY, INFINITY}, high{-INFINITY, -INFINITY};
+  for (std::uint32_t c = mesh.face_starts[face]; c < mesh.face_starts[face + 1]; ++c) {
+    const Vec2d uv = mesh.corner_uv[c];
+    low = {std::min(low.x, uv.x), std::min(low.y, uv.y)};
+    high = {std::max(high.x, uv.x), std::max(high.y, uv.y)};
+  }
+  // Twice, since parts of what is no parallelogram may be wider than half of it
+  return {float(2 * (high.x - low.x)), float(2 * (high.y - low.y))};
+}
+
 Vec3d unit_face_normal(std::span<const Vec3d> positions, const std::uint32_t* corners, std::uint32_t count) {
   if (count == 4)
     return unit_quantum.round(
@@ -323,6 +410,9 @@ RefinedMesh refine(const Mesh& mesh, const RefinePlan& plan, const Quantum& quan
   out.vertex_sharpness = plan.vertex_sharpness;
   out.positions.assign(refined.positions.data(), refined.positions.data() + plan.kept_vertices);
   out.uv.assign(refined.uv.data(), refined.uv.data() + plan.kept_vertices);
+  out.corner_uv = refined_corner_uv(mesh, plan);
+  if (has_seams(mesh))
+    for (std::uint32_t parent : plan.face_parents) out.seam_widths.push_back(mesh.seam_widths[parent] * 0.5f);
   out.face_keys = refined_face_keys(mesh, plan, step_key);
   out.vertex_keys = refined_vertex_keys(mesh, plan, step_key);
   out.nominal_scale = refined_nominal_scale(mesh, plan);

@@ -48,6 +48,14 @@ std::uint32_t done_face_place(const Mesh& mesh, std::uint32_t face);
 // u, v by vertex: mesh.uv, or the mean of the corners' own where growth left them at corners (the paper's figure 9).
 std::vector<Vec2d> vertex_uv(const Mesh& mesh);
 
+// Whether faces keep u, v of their own through subdivision, as a texture's seams ask for; whether those that corners
+// have differ anywhere; and what makes such a mesh keep them.
+inline bool has_seams(const Mesh& mesh) { return !mesh.uv.empty() && !mesh.corner_uv.empty(); }
+bool corners_differ(const Mesh& mesh);
+void keep_seams(Mesh& mesh);
+// Of a face by its corners: Mesh::seam_widths, which refinement halves. No part of a face is wider than its own.
+Vec2f seam_width(const Mesh& mesh, std::uint32_t face);
+
 // The unit normal of a polygon on the grid of unit vectors; zero if it has no area.
 Vec3d unit_face_normal(std::span<const Vec3d> positions, const std::uint32_t* corners, std::uint32_t count);
 

@@ -1,5 +1,7 @@
 #include "procedural/growth/base_shape.h"
 
+#include "geometry/mesh/refine.h"
+
 #include <algorithm>
 #include <map>
 
@@ -35,6 +37,7 @@ Mesh BaseShape::build(BaseContext& context) const {
   const NamedFaces faces = outline(context);
   Mesh mesh;
   copy_faces(faces, context, mesh);
+  if (keeps_seams() && corners_differ(mesh)) meristem::keep_seams(mesh);
 
   const Symbols no_variables;
   std::map<int, Successor> successors;

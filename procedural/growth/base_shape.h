@@ -54,6 +54,8 @@ class BaseShape {
   static FaceSymbol read_symbol(Params& params, const char* name, const char* doc);
 
   virtual NamedFaces outline(BaseContext& context) const = 0;
+  // Whether its textures may have seams that are to stay through subdivision.
+  virtual bool keeps_seams() const { return false; }
   // The symbol of the faces with that name; null: none.
   virtual const FaceSymbol* symbol_of(int name) const = 0;
 };

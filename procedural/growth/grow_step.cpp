@@ -4,6 +4,7 @@
 #include "geometry/cells/level_of_detail.h"
 #include "geometry/cells/thinning.h"
 #include "geometry/mesh/adjacency.h"
+#include "geometry/mesh/refine.h"
 
 #include <fmt/format.h>
 
@@ -158,6 +159,7 @@ class GrowStep::Application {
       const Enlargement& e = m.enlargements[f];
       o.enlargements.push_back({e.of_face, e.of_face, step_.grows(origin(f).symbol) ? 1 : e.detail});
     }
+    if (!m.seam_widths.empty()) o.seam_widths.push_back(m.seam_widths[f]);
     for (std::uint32_t c = m.face_starts[f]; c < m.face_starts[f + 1]; ++c) {
       if (by_corners()) o.corner_uv.push_back(m.corner_uv[c]);
       if (has_sharpness_) o.corner_sharpness.push_back(sharpness(c));
@@ -290,6 +292,7 @@ class GrowStep::Application {
         o.enlargements.push_back({enlargement_.of_growth, enlargement_.of_growth, enlargement_.detail});
       for (std::size_t c = 0; c < face.size(); ++c)
         add_corner(f, grown_.face_starts[i] + c, face[c], face[(c + 1) % face.size()]);
+      if (!in_.mesh.seam_widths.empty()) o.seam_widths.push_back(seam_width(o, o.face_count() - 1));
     }
   }
 

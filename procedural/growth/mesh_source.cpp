@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -125,10 +126,12 @@ NamedMesh MeshSource::load_file(const std::string& folder, Diagnostics& diagnost
   NamedMesh result;
   result.faces.vertices = mesh.positions;
   result.names = mesh.names;
-  result.has_uv = std::find(mesh.corner_uv.begin(), mesh.corner_uv.end(), PolygonMesh::none) == mesh.corner_uv.end();
+  // Faces without lie at (0, 0), where others have some
+  result.has_uv = std::ranges::any_of(mesh.corner_uv, [](std::uint32_t uv) { return uv != PolygonMesh::none; });
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     for (std::uint32_t c = mesh.face_starts[f]; c < mesh.face_starts[f + 1]; ++c)
-      result.faces.add_corner(mesh.corner_positions[c], result.has_uv ? mesh.uv[mesh.corner_uv[c]] : Vec2d{});
+      result.faces.add_corner(mesh.corner_positions[c],
+                              mesh.corner_uv[c] != PolygonMesh::none ? mesh.uv[mesh.corner_uv[c]] : Vec2d{});
     result.faces.end_face(int(mesh.face_names[f]));
   }
   return result;

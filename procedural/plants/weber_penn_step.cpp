@@ -1,6 +1,7 @@
 #include "procedural/plants/weber_penn_step.h"
 
 #include "geometry/base/check.h"
+#include "geometry/mesh/refine.h"
 #include "procedural/plants/child_kernels.h"
 #include "procedural/plants/sized_leaf.h"
 
@@ -216,6 +217,7 @@ class WeberPennStep::Application {
     }
     grown_.finish();
     Mesh& o = out_.mesh;
+    if (has_seams(in_.mesh)) keep_seams(o);
     if (!in_.mesh.corner_sharpness.empty()) o.corner_sharpness.resize(o.corner_vertices.size(), 0);
     if (!in_.mesh.vertex_sharpness.empty()) o.vertex_sharpness.resize(o.positions.size(), 0);
     if (!in_.mesh.nominal_scale.empty()) o.nominal_scale.resize(o.positions.size());

@@ -17,7 +17,6 @@ namespace {
 struct Identity {
   Vec3d position;
   Vec3f normal;
-  Vec2d uv;  // zero where it does not matter
   bool operator==(const Identity&) const = default;
 };
 struct IdentityHash {
@@ -27,8 +26,7 @@ struct IdentityHash {
       key = hash_keys(key, std::bit_cast<std::uint64_t>(i.position[k] + 0.0));  // -0 is 0
       key = hash_keys(key, std::bit_cast<std::uint32_t>(i.normal[k] + 0.f));
     }
-    key = hash_keys(key, std::bit_cast<std::uint64_t>(i.uv.x + 0.0));
-    return hash_keys(key, std::bit_cast<std::uint64_t>(i.uv.y + 0.0));
+    return key;
   }
 };
 
@@ -40,8 +38,7 @@ class Welding {
   std::uint32_t vertex(std::uint32_t old, PolygonMesh& out) {
     if (mesh_.normals.empty()) return add(old, out);
     const auto [known, is_new] =
-        numbers_.try_emplace({mesh_.positions[old], mesh_.normals[old], mesh_.welds_by_uv ? mesh_.uv[old] : Vec2d{}},
-                             std::uint32_t(out.positions.size()));
+        numbers_.try_emplace({mesh_.positions[old], mesh_.normals[old]}, std::uint32_t(out.positions.size()));
     if (is_new) add(old, out);
     return known->second;
   }

@@ -1,6 +1,6 @@
 // Meshes of other programs as base meshes: manifolds whose smooth parts share vertices. What other formats split for
-// texture coordinates is welded, what they smooth by normals shares vertices, and what is no manifold is cut until it
-// is. Pure functions.
+// texture coordinates is welded, and its corners keep them; what they smooth by normals shares vertices, and what is no
+// manifold is cut until it is. Pure functions.
 #pragma once
 
 #include "geometry/base/source.h"
@@ -16,7 +16,6 @@ struct ForeignMesh {
   std::vector<Vec3d> positions;
   std::vector<Vec3f> normals;  // empty: every face is flat
   std::vector<Vec2d> uv;       // empty, or one a vertex
-  bool welds_by_uv = false;    // whether vertices with different u, v stay apart
   std::vector<std::uint32_t> face_starts{0}, corners;
 
   void add_face(std::initializer_list<std::uint32_t> vertices);
@@ -30,8 +29,8 @@ struct MeshRepairs {
   void report(const Location& where, Diagnostics& diagnostics) const;
 };
 
-// Vertices with one position and normal, and u, v if the mesh says so, become one; without normals every face has its
-// own. Normals themselves are not kept: they are made anew from the faces.
+// Vertices with one position and normal become one; without normals every face has its own. Normals themselves are not
+// kept: they are made anew from the faces.
 PolygonMesh to_polygon_mesh(const ForeignMesh& mesh, MeshRepairs& repairs);
 
 // Gives vertices of their own to faces that meet others in a way that no manifold has; returns how many were added.

@@ -215,8 +215,6 @@ class GltfReader {
     }
     if (mesh.normals.size() != mesh.positions.size()) mesh.normals.clear();
     if (mesh.uv.size() != mesh.positions.size()) mesh.uv.clear();
-    // One vertex would have the mean of both sides of a seam
-    mesh.welds_by_uv = !mesh.uv.empty() && has_textures(model.material);
     read_triangles(primitive, mesh);
     const std::vector<Vec3f> colors = read_colors(attributes->find("COLOR_0"), mesh.positions.size());
     const bool vary = std::ranges::any_of(colors, [&](Vec3f c) { return c != colors[0]; });
@@ -229,7 +227,6 @@ class GltfReader {
     if (vary && have_room) {
       plane = nearest_plane(colors);
       mesh.uv = plane.uv;
-      mesh.welds_by_uv = true;  // where two colours meet they stay apart
     }
     MeshRepairs repairs;
     model.mesh = to_polygon_mesh(mesh, repairs);

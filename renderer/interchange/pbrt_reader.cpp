@@ -218,9 +218,7 @@ class PbrtReader {
 
   void shape(const std::string& type, PbrtParameters& params) {
     if (type == "sphere" && state_.glow && !is_in_object_ && glowing_sphere(params)) return;
-    const Member* const material = material_named(state_.material);
-    const PbrtSurface surface{state_.is_reversed, material && material->value.find("textures")};
-    auto made = read_pbrt_shape(type, params, tokens_.folder(), surface, statement_, diagnostics_);
+    auto made = read_pbrt_shape(type, params, tokens_.folder(), state_.is_reversed, statement_, diagnostics_);
     if (!made) return;
     made->model.name = fmt::format("{}-{}", type, scene_.models.size() + 1);
     made->model.material = shown_material();

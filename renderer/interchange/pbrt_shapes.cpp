@@ -20,10 +20,8 @@ void reverse_faces(ForeignMesh& mesh) {
     std::reverse(mesh.corners.begin() + mesh.face_starts[f], mesh.corners.begin() + mesh.face_starts[f + 1]);
 }
 
-std::optional<PbrtShape> finish(ForeignMesh mesh, PbrtSurface surface, const Location& where,
-                                Diagnostics& diagnostics) {
-  if (surface.is_reversed) reverse_faces(mesh);
-  mesh.welds_by_uv = surface.keeps_seams && !mesh.uv.empty();
+std::optional<PbrtShape> finish(ForeignMesh mesh, bool is_reversed, const Location& where, Diagnostics& diagnostics) {
+  if (is_reversed) reverse_faces(mesh);
   MeshRepairs repairs;
   PbrtShape shape;
   shape.model.mesh = to_polygon_mesh(mesh, repairs);
@@ -67,7 +65,7 @@ ForeignMesh read_faces(PbrtParameters& params, std::initializer_list<std::uint32
   return mesh;
 }
 
-std::optional<PbrtShape> read_ply_shape(PbrtParameters& params, const std::string& folder, PbrtSurface surface,
+std::optional<PbrtShape> read_ply_shape(PbrtParameters& params, const std::string& folder, bool is_reversed,
                                         const Location& where, Diagnostics& diagnostics) {
   const std::string file = params.text("filename", ""), path = path_inside(folder, file);
   if (path.empty() || !file.ends_with(".ply")) {
@@ -82,7 +80,7 @@ std::optional<PbrtShape> read_ply_shape(PbrtParameters& params, const std::strin
   mesh.face_starts = read.face_starts;
   if (read.uv.size() == read.positions.size()) mesh.uv = read.uv;
   mesh.normals.assign(mesh.positions.size(), Vec3f{});  // smooth where vertices are shared
-  return finish(std::move(mesh), surface, where, diagnostics);
+  return finish(std::move(mesh), is_reversed, where, diagnostics);
 }
 
 // Around z, at a height on it.
@@ -110,17 +108,16 @@ ForeignMesh disk(double radius, double inner, double height) {
 }  // namespace
 
 std::optional<PbrtShape> read_pbrt_shape(const std::string& type, PbrtParameters& params, const std::string& folder,
-                                         PbrtSurface surface, const Location& where, Diagnostics& diagnostics) {
+                                         bool is_reversed, const Location& where, Diagnostics& diagnostics) {
   if (type == "trianglemesh")
-    return finish(read_faces(params, {0, 1, 2}, where, diagnostics), surface, where, diagnostics);
+    return finish(read_faces(params, {0, 1, 2}, where, diagnostics), is_reversed, where, diagnostics);
   if (type == "bilinearmesh")
-    return finish(read_faces(params, {0, 1, 3, 2}, where, diagnostics), surface, where, diagnostics);
-  if (type == "plymesh") return read_ply_shape(params, folder, surface, where, diagnostics);
+    return finish(read_faces(params, {0, 1, 3, 2}, where, diagnostics), is_reversed, where, diagnostics);
+  if (type == "plymesh") return read_ply_shape(params, folder, is_reversed, where, diagnostics);
   if (type == "loopsubdiv") {
     ForeignMesh mesh = read_faces(params, {0, 1, 2}, where, diagnostics);
     mesh.normals.assign(mesh.positions.size(), Vec3f{});
-    surface.keeps_seams = false;  // subdivision would open them
-    auto shape = finish(std::move(mesh), surface, where, diagnostics);
+    auto shape = finish(std::move(mesh), is_reversed, where, diagnostics);
     if (shape)
       shape->model.steps = {json::object({{"subdivide", json::number(std::clamp(params.integer("levels", 3), 1, 8))},
                                           {"scheme", json::text("loop")}})};
@@ -128,7 +125,7 @@ std::optional<PbrtShape> read_pbrt_shape(const std::string& type, PbrtParameters
   }
   if (type == "disk") {
     const double radius = params.number("radius", 1);
-    return finish(disk(radius, params.number("innerradius", 0), params.number("height", 0)), surface, where,
+    return finish(disk(radius, params.number("innerradius", 0), params.number("height", 0)), is_reversed, where,
                   diagnostics);
   }
   if (type == "sphere") {

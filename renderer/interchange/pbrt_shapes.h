@@ -10,11 +10,6 @@
 
 namespace meristem {
 
-// What the state says of the surface: turned inside out, and with textures, whose seams stay.
-struct PbrtSurface {
-  bool is_reversed = false, keeps_seams = false;
-};
-
 // Without a name and a material; its transform apart: what stands before the object's. Nothing, with a message, if the
 // shape is not known or broken.
 struct PbrtShape {
@@ -22,6 +17,6 @@ struct PbrtShape {
   Affine3d to_object;
 };
 std::optional<PbrtShape> read_pbrt_shape(const std::string& type, PbrtParameters& params, const std::string& folder,
-                                         PbrtSurface surface, const Location& where, Diagnostics& diagnostics);
+                                         bool is_reversed, const Location& where, Diagnostics& diagnostics);
 
 }  // namespace meristem

@@ -1,9 +1,11 @@
 #include "renderer/interchange/surface_welder.h"
 
 #include "geometry/base/key.h"
+#include "geometry/cells/uv_packing.h"
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace meristem {
 
@@ -36,21 +38,26 @@ std::size_t SurfaceWelder::Vertices::Hash::operator()(Vec3f p) const {
   return hash_keys(bits(p.x) << 32 | bits(p.y), bits(p.z));
 }
 
-std::uint32_t SurfaceWelder::Vertices::find_or_add(Vec3f position, PackedNormal normal, std::uint32_t number) {
-  constexpr float agree = 0.5f;  // within 60 degrees
+std::uint32_t SurfaceWelder::Vertices::find_or_add(Vec3f position, PackedNormal normal, Vec2f uv,
+                                                   std::uint32_t number) {
+  constexpr float agree = 0.5f;     // within 60 degrees
+  constexpr float same_uv = 1e-3f;  // what is shared differs by rounding at most
   const auto [first, last] = vertices_.equal_range(position);
   for (auto v = first; v != last; ++v)
-    if (dot(v->second.normal.unpack(), normal.unpack()) > agree) return v->second.number;
-  vertices_.emplace(position, Vertex{normal, number});
+    if (dot(v->second.normal.unpack(), normal.unpack()) > agree && std::abs(v->second.uv.x - uv.x) <= same_uv &&
+        std::abs(v->second.uv.y - uv.y) <= same_uv)
+      return v->second.number;
+  vertices_.emplace(position, Vertex{normal, uv, number});
   return number;
 }
 
 SurfaceWelder::Piece SurfaceWelder::add(const Tessellation& cell) {
   // Weld within the cell: every vertex is the first at its place
+  const std::vector<Vec2f> uv = vertex_uv(cell);
   Vertices local;
   std::vector<std::uint32_t> first(cell.positions.size());
   for (std::uint32_t v = 0; v < first.size(); ++v)
-    first[v] = local.find_or_add(cell.positions[v], cell.attributes[v].normal, v);
+    first[v] = local.find_or_add(cell.positions[v], cell.attributes[v].normal, uv[v], v);
   Piece piece;
   for_each_triangle(cell, [&](const std::array<std::uint32_t, 3>& v, std::uint32_t origin) {
     const Triangle welded{{first[v[0]], first[v[1]], first[v[2]]}, origin};
@@ -65,7 +72,7 @@ SurfaceWelder::Piece SurfaceWelder::add(const Tessellation& cell) {
     for (std::uint32_t& v : t.vertices) {
       if (numbers[v] == none) {
         numbers[v] =
-            border[v] ? border_.find_or_add(cell.positions[v], cell.attributes[v].normal, vertices_) : vertices_;
+            border[v] ? border_.find_or_add(cell.positions[v], cell.attributes[v].normal, uv[v], vertices_) : vertices_;
         if (numbers[v] == vertices_) {
           ++vertices_;
           piece.cell_vertices.push_back(v);

@@ -1,7 +1,8 @@
 // SurfaceWelder: the cells of one surface as one mesh. Vertices that cells or grids share have the same bits in each
 // (docs/architecture.md, section 4), so they are recognised by their positions, and normals that roughly agree: two
 // sheets back to back stay two, and where level of detail shows vertices at others these are one. So the mesh of a
-// closed model is closed. Remembers only the vertices on borders of cells, some eighth of all. One thread.
+// closed model is closed, but for the seams of its textures, at whose vertices u, v differ. Remembers only the vertices
+// on borders of cells, some eighth of all. One thread.
 #pragma once
 
 #include "geometry/cells/tessellation.h"
@@ -32,7 +33,7 @@ class SurfaceWelder {
   class Vertices {
    public:
     // That of a vertex that is known, else `number`, which is known from then on.
-    std::uint32_t find_or_add(Vec3f position, PackedNormal normal, std::uint32_t number);
+    std::uint32_t find_or_add(Vec3f position, PackedNormal normal, Vec2f uv, std::uint32_t number);
 
    private:
     struct Hash {
@@ -40,6 +41,7 @@ class SurfaceWelder {
     };
     struct Vertex {
       PackedNormal normal;
+      Vec2f uv;
       std::uint32_t number;
     };
     std::unordered_multimap<Vec3f, Vertex, Hash> vertices_;

@@ -69,6 +69,8 @@ class BaseFromMesh : public BaseShape {
     return std::move(mesh.faces);
   }
 
+  bool keeps_seams() const override { return true; }
+
   // Names of faces become indices into the symbols in their order; -1 for those without.
   void number_names(NamedMesh& mesh) const {
     for (int& name : mesh.faces.names) {

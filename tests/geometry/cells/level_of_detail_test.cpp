@@ -43,11 +43,20 @@ Mesh with_uv(Mesh mesh) {
   return mesh;
 }
 
+// The same, where all of a face's edges are seams that stay.
+Mesh with_seams(Mesh mesh) {
+  mesh = with_uv(std::move(mesh));
+  keep_seams(mesh);
+  EXPECT_TRUE(has_seams(mesh));
+  return mesh;
+}
+
 // Bit for bit, with all that is known at their corners. Faces that are done are shown refined in one cell, and by
 // themselves in another; some have no four corners.
 TEST(LevelOfDetail, CutIntoCellsOrNotShowsTheSameTriangles) {
   const PointFootprint near({1.2, 0.5, 0}, 0.05), fading({1.2, 0.5, 0}, 0.05, true), far({40, 9, 3}, 0.02);
-  for (const Mesh& base : {with_uv(shapes::prism(7)), with_uv(shapes::tetrahedron()), shapes::prism(3)})
+  for (const Mesh& base : {with_uv(shapes::prism(7)), with_uv(shapes::tetrahedron()), shapes::prism(3),
+                           with_seams(shapes::prism(7)), with_seams(shapes::tetrahedron())})
     for (const Footprint* footprint : std::initializer_list<const Footprint*>{&near, &fading, &far, nullptr}) {
       const int levels = footprint ? 7 : 4;
       const auto whole = shown_corners(*bumpy_model(base, levels, 0.2, {1u << 20, 1u << 20}), footprint);
@@ -58,6 +67,29 @@ TEST(LevelOfDetail, CutIntoCellsOrNotShowsTheSameTriangles) {
         EXPECT_TRUE(cut == whole) << "leaves of " << settings.leaf_faces;
       }
     }
+}
+
+// Every face of the base keeps to its own strip of the texture, on however many levels its parts are shown.
+TEST(LevelOfDetail, SeamsOfTexturesStay) {
+  const PointFootprint near({1.2, 0.5, 0}, 0.05), fading({1.2, 0.5, 0}, 0.05, true);
+  Mesh base = shapes::prism(7);
+  for (std::uint32_t f = 0; f < base.face_count(); ++f)
+    for (std::uint32_t k = 0; k < base.corner_count(f); ++k) base.corner_uv.push_back({f + 0.25 + 0.5 * (k & 1), 0.5});
+  keep_seams(base);
+  for (const Footprint* footprint : std::initializer_list<const Footprint*>{&near, &fading, nullptr}) {
+    const auto model = bumpy_model(base, footprint ? 7 : 4, 0.2, small_cells);
+    EXPECT_TRUE(ShownTriangles(*model, footprint).is_closed());
+    std::array<int, 9> seen{};
+    for (const auto& corners : shown_corners(*model, footprint)) {
+      const float strip = std::floor(corners[0][6]);
+      for (const auto& corner : corners) {
+        ASSERT_GE(corner[6], strip + 0.25f);
+        ASSERT_LE(corner[6], strip + 0.75f);
+      }
+      ++seen.at(std::size_t(strip));
+    }
+    for (const int triangles : seen) EXPECT_GT(triangles, 1);
+  }
 }
 
 TEST(LevelOfDetail, FacesAreAsLargeAsWanted) {

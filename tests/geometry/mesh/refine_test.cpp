@@ -77,6 +77,51 @@ TEST(Refine, AveragesCornerUvAtSharedVertices) {
   EXPECT_EQ(uv[4].x, 1);
 }
 
+// u, v lie over each face as its own corners say, whatever its neighbours do; positions are as without.
+TEST(Refine, KeepsSeamsOfTextures) {
+  for (const Scheme scheme : {Scheme::CatmullClark, Scheme::Loop}) {
+    const bool is_loop = scheme == Scheme::Loop;
+    Mesh mesh = is_loop ? shapes::tetrahedron() : shapes::prism(5);
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
+      for (std::uint32_t k = 0; k < mesh.corner_count(f); ++k) {
+        const double turn = 2 * pi * k / mesh.corner_count(f);
+        mesh.corner_uv.push_back({f + 0.5 + 0.25 * std::cos(turn), std::sin(turn)});
+      }
+    Mesh averaged = mesh;
+    ASSERT_TRUE(corners_differ(mesh));
+    keep_seams(mesh);
+    const Mesh out = refined(mesh, 3, {scheme});
+    EXPECT_EQ(out.positions, refined(averaged, 3, {scheme}).positions);
+    EXPECT_TRUE(refined(averaged, 3, {scheme}).corner_uv.empty());
+    ASSERT_EQ(out.corner_uv.size(), out.corner_vertices.size());
+    std::vector<double> areas(mesh.face_count(), 0);
+    for (std::uint32_t f = 0; f < out.face_count(); ++f) {
+      double area = 0;
+      for (std::uint32_t k = 0; k < out.corner_count(f); ++k) {
+        const Vec2d a = out.corner_uv[out.face_starts[f] + k],
+                    b = out.corner_uv[out.face_starts[f] + (k + 1) % out.corner_count(f)];
+        EXPECT_EQ(std::floor(a.x), std::floor(out.corner_uv[out.face_starts[f]].x));
+        area += (a.x * b.y - a.y * b.x) / 2;
+      }
+      EXPECT_GT(area, 0) << "else it is a mirror image";
+      areas.at(std::size_t(out.corner_uv[out.face_starts[f]].x)) += area;
+    }
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {  // children fill their parent
+      const double n = mesh.corner_count(f);
+      EXPECT_NEAR(areas[f], n / 2 * 0.25 * std::sin(2 * pi / n), 1e-9);
+    }
+  }
+}
+
+TEST(Refine, CornersDifferAtSeamsAlone) {
+  Mesh mesh = shapes::cube();
+  for (const std::uint32_t v : mesh.corner_vertices) mesh.corner_uv.push_back({mesh.positions[v].x, 1});
+  EXPECT_FALSE(corners_differ(mesh));
+  EXPECT_TRUE(refined(mesh, 1, {}).corner_uv.empty());
+  mesh.corner_uv[5].y = 0.5;
+  EXPECT_TRUE(corners_differ(mesh));
+}
+
 TEST(LocalGeometry, OfACube) {
   const Mesh cube = shapes::cube();
   const auto plan = make_refine_plan(cube, 6, 0, {});

@@ -88,6 +88,35 @@ TEST(Export, AClosedModelIsAClosedMeshOfSharedVertices) {
   check("6", "mesh.ply");  // where levels meet, vertices are shown at others: the surface touches itself
 }
 
+// A square whose diagonal is a seam, subdivided: the two triangles stay apart in u, and only there is the mesh open.
+TEST(Export, SeamsOfTexturesStay) {
+  const Folder folder("export");
+  folder.write("seam.obj",
+               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt .25 0\nvt .25 1\nvt .75 0\nvt 1 0\nvt 1 1\n"
+               "f 1/1 2/2 3/3\nf 1/4 3/5 4/6\n");
+  folder.write("scene.jsonc", R"({ "models": { "m": { "base": { "type": "mesh", "file": "seam.obj" },
+    "steps": [ { "subdivide": 2, "place": "[0, 0, .1*snoise(3*P)]" } ] } }, "objects": [ { "model": "m" } ],
+    "camera": { "from": [0, 0, 3], "to": [0, 0, 0] }, "render": { "detail": 0 } })");
+  LoadOptions options;
+  options.check_only = options.keep_objects = true;
+  const LoadedScene scene = load_scene(folder.file("scene.jsonc"), options);
+  write(scene, folder.file("mesh.obj"));
+  const PolygonMesh mesh = read(folder.file("mesh.obj"));
+  ASSERT_EQ(mesh.face_count(), 48u);
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    const bool is_left = mesh.uv[mesh.corner_uv[3 * f]].x < 0.5;
+    for (std::uint32_t c = 3 * f; c < 3 * f + 3; ++c) {
+      const double u = mesh.uv[mesh.corner_uv[c]].x;
+      EXPECT_TRUE(is_left ? u <= 0.25 : u >= 0.75) << u;
+    }
+  }
+  // 4 edges on each of four sides, and as many on both sides of the seam; positions agree across it
+  EXPECT_EQ(open_edges(mesh), 4u * 4 + 2 * 4);
+  std::map<std::array<double, 3>, int> places;
+  for (const Vec3d& p : mesh.positions) ++places[{p.x, p.y, p.z}];
+  EXPECT_EQ(mesh.positions.size() - places.size(), 5u) << "the vertices of the seam stand twice";
+}
+
 TEST(Export, LevelOfDetailIsThatOfTheCamera) {
   const Folder folder("export");
   const auto triangles = [&](const char* detail) {

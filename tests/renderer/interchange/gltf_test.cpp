@@ -223,8 +223,8 @@ TEST(VertexColors, FacesAreNamedByTheirDistanceFromThePlane) {
   EXPECT_NEAR(distances.error, 0.5 / 3, 1e-9);
 }
 
-// A hard edge between two colours stays one where the surface is smooth: one vertex would have their mean.
-TEST(ForeignMesh, VerticesMayStayApartByTheirUv) {
+// A hard edge between two colours stays one where the surface is smooth: its corners keep them.
+TEST(ForeignMesh, CornersKeepTheirUv) {
   ForeignMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   mesh.normals.assign(6, {0, 0, 1});
@@ -232,9 +232,10 @@ TEST(ForeignMesh, VerticesMayStayApartByTheirUv) {
   mesh.add_face({0, 1, 2});
   mesh.add_face({3, 4, 5});
   MeshRepairs repairs;
-  EXPECT_EQ(to_polygon_mesh(mesh, repairs).positions.size(), 4u);
-  mesh.welds_by_uv = true;
-  EXPECT_EQ(to_polygon_mesh(mesh, repairs).positions.size(), 6u);
+  const PolygonMesh welded = to_polygon_mesh(mesh, repairs);
+  EXPECT_EQ(welded.positions.size(), 4u);
+  ASSERT_EQ(welded.corner_uv.size(), 6u);
+  for (std::size_t c = 0; c < 6; ++c) EXPECT_EQ(welded.uv[welded.corner_uv[c]].x, c < 3 ? 0 : 1) << c;
 }
 
 TEST(Gltf, OneColorOfAllVerticesNeedsNoCoordinates) {
@@ -272,7 +273,7 @@ TEST(Gltf, ErrorsSayWhere) {
   EXPECT_EQ(first("\"VEC3\"", "\"VEC2\""), "expected an accessor of 3 numbers an item, found 2");
 }
 
-// Two triangles of a smooth square whose diagonal is a seam: a texture needs both u of its vertices.
+// Two triangles of a smooth square whose diagonal is a seam: it shades smoothly, and has both u of its vertices.
 TEST(Gltf, SeamsOfTexturesStay) {
   const Folder folder("gltf");
   const float positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0};
@@ -294,10 +295,12 @@ TEST(Gltf, SeamsOfTexturesStay) {
   "bufferViews": [ { "buffer": 0, "byteLength": 72 }, { "buffer": 0, "byteOffset": 72, "byteLength": 72 },
                    { "buffer": 0, "byteOffset": 144, "byteLength": 48 } ],
   "buffers": [ { "uri": "square.bin", "byteLength": 192 } ] })";
-  EXPECT_EQ(read(folder.write("square.gltf", text)).models.at(0).mesh->positions.size(), 6u);
-  std::string plain = text;
-  plain.replace(plain.find("baseColorTexture"), 4, "none");
-  EXPECT_EQ(read(folder.write("plain.gltf", plain)).models.at(0).mesh->positions.size(), 4u) << "shades smoothly";
+  const ForeignScene scene = read(folder.write("square.gltf", text));
+  const PolygonMesh& mesh = *scene.models.at(0).mesh;
+  EXPECT_EQ(mesh.positions.size(), 4u);
+  const double u[] = {0, 0.5, 0, 1, 1, 0.5};
+  ASSERT_EQ(mesh.corner_uv.size(), 6u);
+  for (std::size_t c = 0; c < 6; ++c) EXPECT_EQ(mesh.uv[mesh.corner_uv[c]].x, u[c]) << c;
 }
 
 TEST(Gltf, AnImageThatIsMissingIsAnErrorAtItsPlace) {

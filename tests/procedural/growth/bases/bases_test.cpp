@@ -1,3 +1,4 @@
+#include "geometry/mesh/refine.h"
 #include "tests/procedural/growth/derivation.h"
 
 #include <gtest/gtest.h>
@@ -114,6 +115,50 @@ TEST(Bases, MeshReadsObjFilesBesideTheScene) {
   EXPECT_EQ(d.messages(), std::vector<std::string>{});
   EXPECT_EQ(faces_with(d.base, d.symbols->find("bud")).size(), 3u);
   EXPECT_TRUE(is_closed(d.base));
+  std::filesystem::remove_all(folder);
+}
+
+// A vertex may be another place on the texture for each of its faces; what grows on one keeps to that.
+TEST(Bases, MeshFilesKeepTheSeamsOfTextures) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "meristem_seams_test";
+  std::filesystem::create_directories(folder);
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt .25 .5\n";
+  std::ofstream(folder / "seam.obj") << points + "g a\nf 1/1 2/2 3/3\ng b\nf 1/4 3/3 4/4\n";
+  std::ofstream(folder / "none.obj") << points + "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
+  std::ofstream(folder / "part.obj") << points + "f 1/2 2/2 3/3\nf 1 3 4\n";
+  const auto base = [&](const std::string& file) {
+    Derivation d(R"json({ "type": "mesh", "file": ")json" + file + "\" }", {}, 1, folder.string());
+    EXPECT_EQ(d.messages(), std::vector<std::string>{});
+    return d.base;
+  };
+  const Mesh seam = base("seam.obj");
+  EXPECT_TRUE(has_seams(seam));
+  EXPECT_EQ(seam.vertex_count(), 4u);
+  EXPECT_EQ(seam.corner_uv[0], (Vec2d{0, 0}));
+  EXPECT_EQ(seam.corner_uv[3], (Vec2d{.25, .5}));
+  EXPECT_EQ(seam.uv[0], (Vec2d{.125, .25})) << "what placements see";
+  EXPECT_FALSE(has_seams(base("none.obj")));
+  const Mesh part = base("part.obj");
+  EXPECT_TRUE(has_seams(part)) << "faces without coordinates lie at (0, 0)";
+  EXPECT_EQ(part.corner_uv[3], (Vec2d{}));
+  EXPECT_EQ(part.corner_uv[0], (Vec2d{1, 0}));
+
+  const Derivation d(
+      R"json({ "type": "mesh", "file": "seam.obj", "symbols": { "b": "bud" } })json",
+      {R"json({ "grow": 1, "rules": { "bud": { "template": "extrude", "faces": { "cap": "bud" } } } })json"},
+      1, folder.string());
+  EXPECT_EQ(d.messages(), std::vector<std::string>{});
+  CellMesh cell, grown;
+  cell.mesh = d.base;
+  cell.owned_faces = 2;
+  d.steps.at(0)->apply(cell, 0, grown);
+  const Mesh& mesh = grown.mesh;
+  EXPECT_TRUE(has_seams(mesh));
+  ASSERT_EQ(mesh.corner_uv.size(), mesh.corner_vertices.size());
+  EXPECT_EQ(mesh.uv.size(), mesh.vertex_count());
+  EXPECT_EQ(mesh.seam_widths.size(), mesh.face_count());
+  EXPECT_GT(mesh.face_count(), 4u);
+  for (std::size_t c = 3; c < mesh.corner_uv.size(); ++c) EXPECT_GE(mesh.corner_uv[c].x, .25) << c;
   std::filesystem::remove_all(folder);
 }
 
