@@ -134,7 +134,9 @@ class Parser final : public CallContext {
     throw ExpressionError(message, token_.offset, std::max<std::size_t>(token_.length, 1));
   }
   [[noreturn]] void fail_at_token(const std::string& expected) const {
-    if (token_.kind == Token::Kind::End) fail_here(expected + ", not the end of the expression");
+    if (token_.kind == Token::Kind::End)
+      fail_here(expected + (text_.starts_with('#') ? "; '#' begins a comment, and a colour is [r, g, b] from 0 to 1"
+                                                   : ", not the end of the expression"));
     fail_here(fmt::format("{}, not '{}'", expected, text_.substr(token_.offset, token_.length)));
   }
   [[noreturn]] static void fail_at(const Operand& o, const std::string& message) {

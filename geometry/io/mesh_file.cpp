@@ -16,7 +16,8 @@ PolygonMesh load_mesh(const std::string& path, const Location& where, Diagnostic
     diagnostics.error(where, std::move(message));
     return PolygonMesh{};
   };
-  const std::string extension = std::filesystem::path(path).extension().string();
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = 'A' <= c && c <= 'Z' ? char(c - 'A' + 'a') : c;
   if (extension != ".obj" && extension != ".ply")
     return fail(fmt::format("\"{}\" is no mesh file: these end in .obj or .ply", path));
   std::string reason;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -28,6 +29,8 @@ class Reader {
       skip_line();
     }
     if (errors_ == 0 && mesh_.face_count() == 0) error(source_->text.data(), "the file holds no faces");
+    if (mesh_.colors.size() != mesh_.positions.size()) mesh_.colors.clear();
+    mesh_.text = source_;
     return std::move(mesh_);
   }
 
@@ -47,7 +50,28 @@ class Reader {
 
   void read_position() {
     Vec3d p;
-    if (read_number(p.x) && read_number(p.y) && read_number(p.z)) mesh_.positions.push_back(p);
+    const bool is_good = read_number(p.x) && read_number(p.y) && read_number(p.z);
+    mesh_.positions.push_back(p);  // if it is wrong, too: those behind it keep their numbers
+    if (is_good) read_color();
+  }
+
+  // Three more numbers, as programs for scans write them; one is a weight. Of no vertex if not of all.
+  void read_color() {
+    const char* const start = at_;
+    double number[3] = {};
+    int count = 0;
+    while (count < 3 && !at_line_end()) {
+      const auto [next, code] = std::from_chars(at_, end_, number[count]);
+      if (code != std::errc{} || !std::isfinite(number[count])) break;
+      at_ = next;
+      ++count;
+    }
+    if (count == 3 && mesh_.colors.size() + 1 == mesh_.positions.size()) {
+      Vec3f color;
+      for (int i = 0; i < 3; ++i) color[i] = linear_of_srgb(std::clamp(number[i], 0.0, 1.0));
+      mesh_.colors.push_back(color);
+    }
+    at_ = start;
   }
 
   void read_uv() {
@@ -71,6 +95,7 @@ class Reader {
     }
     mesh_.face_starts.push_back(std::uint32_t(mesh_.corner_positions.size()));
     mesh_.face_names.push_back(current_name());
+    mesh_.face_places.push_back(std::uint32_t(start - source_->text.data()));
   }
 
   // p, p/t, p//n or p/t/n

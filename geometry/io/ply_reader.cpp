@@ -32,7 +32,7 @@ constexpr std::array type_names{
     TypeName{"float64", Type::Double, 8}};
 
 // What becomes of a property.
-enum class Use : std::uint8_t { None, X, Y, Z, U, V, Corners, CornerUv };
+enum class Use : std::uint8_t { None, X, Y, Z, U, V, Red, Green, Blue, Corners, CornerUv, Count };
 
 struct Property {
   Type type = Type::Float;
@@ -60,6 +60,9 @@ Use use_of(std::string_view element, std::string_view property, bool is_list) {
   if (property == "z") return Use::Z;
   if (property == "s" || property == "u" || property == "texture_u") return Use::U;
   if (property == "t" || property == "v" || property == "texture_v") return Use::V;
+  if (property == "red" || property == "r" || property == "diffuse_red") return Use::Red;
+  if (property == "green" || property == "g" || property == "diffuse_green") return Use::Green;
+  if (property == "blue" || property == "b" || property == "diffuse_blue") return Use::Blue;
   return Use::None;
 }
 
@@ -73,6 +76,7 @@ class Reader {
     for (const Element& element : elements_)
       if (!read_element(element)) return {};
     if (mesh_.face_count() == 0) error(source_->text.data(), "the file holds no faces");
+    mesh_.text = source_;
     return std::move(mesh_);
   }
 
@@ -211,6 +215,7 @@ class Reader {
   bool read_element(const Element& element) {
     const bool is_vertex = element.name == "vertex";
     const bool has_uv = is_vertex && has(element, Use::U) && has(element, Use::V);
+    const bool has_color = is_vertex && has(element, Use::Red) && has(element, Use::Green) && has(element, Use::Blue);
     if (is_vertex) mesh_.positions.reserve(element.count);
     if (element.name == "face" && format_ != Format::Ascii) mesh_.face_names.reserve(element.count);
     for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -223,6 +228,7 @@ class Reader {
       if (is_vertex) {
         mesh_.positions.push_back({value(Use::X), value(Use::Y), value(Use::Z)});
         if (has_uv) mesh_.uv.push_back({value(Use::U), value(Use::V)});
+        if (has_color) mesh_.colors.push_back(color(element));
       } else if (element.name == "face" && !end_face(first_corner)) {
         return false;
       }
@@ -232,6 +238,20 @@ class Reader {
   }
 
   double value(Use use) const { return values_[std::size_t(use)]; }
+
+  // Whole numbers are steps to the largest of their type, of sRGB; others are linear.
+  Vec3f color(const Element& element) const {
+    Vec3f result;
+    for (int i = 0; i < 3; ++i) {
+      const auto use = Use(int(Use::Red) + i);
+      const Type type = std::ranges::find(element.properties, use, &Property::use)->type;
+      if (type >= Type::Float)
+        result[i] = float(std::max(value(use), 0.0));
+      else
+        result[i] = linear_of_srgb(std::clamp(value(use) / (std::exp2(8.0 * double(bytes_of(type))) - 1), 0.0, 1.0));
+    }
+    return result;
+  }
 
   bool read_property(const Property& p) {
     if (!p.count_type) return read_number(p.type, values_[std::size_t(p.use)], p.use != Use::None);
@@ -340,8 +360,8 @@ class Reader {
   struct {
     const Element* element = nullptr;
     std::uint64_t index = 0;
-  } record_;                        // being read
-  std::array<double, 8> values_{};  // of its single properties, by use
+  } record_;                                              // being read
+  std::array<double, std::size_t(Use::Count)> values_{};  // of its single properties, by use
   std::vector<double> corner_uv_;
   bool vertex_uv_ = false;
   PolygonMesh mesh_;

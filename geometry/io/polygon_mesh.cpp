@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace meristem {
 
 namespace {
@@ -20,6 +23,32 @@ std::string PolygonMesh::face_defect(std::size_t first) const {
       if (corner_positions[i] == corner_positions[j])
         return fmt::format("a face has vertex {} twice", corner_positions[i] + 1);
   return {};
+}
+
+std::optional<PolygonMesh::Conflict> PolygonMesh::first_conflict() const {
+  struct Side {
+    std::uint64_t edge;
+    std::uint32_t face;
+    auto operator<=>(const Side&) const = default;
+  };
+  std::vector<Side> sides;
+  sides.reserve(corner_positions.size());
+  for (std::uint32_t f = 0; f < face_count(); ++f)
+    for (std::uint32_t c = face_starts[f]; c < face_starts[f + 1]; ++c) {
+      const std::uint32_t next = c + 1 < face_starts[f + 1] ? c + 1 : face_starts[f];
+      sides.push_back({std::uint64_t(corner_positions[c]) << 32 | corner_positions[next], f});
+    }
+  std::ranges::sort(sides);
+  std::optional<Conflict> first;
+  for (std::size_t i = 1; i < sides.size(); ++i)
+    if (sides[i].edge == sides[i - 1].edge && (!first || sides[i].face < first->face))
+      first =
+          Conflict{sides[i].face, sides[i - 1].face, std::uint32_t(sides[i].edge >> 32), std::uint32_t(sides[i].edge)};
+  return first;
+}
+
+float linear_of_srgb(double encoded) {
+  return float(encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4));
 }
 
 }  // namespace meristem

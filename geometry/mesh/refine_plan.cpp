@@ -6,7 +6,10 @@
 #include "geometry/mesh/plan_table.h"
 #include "geometry/mesh/rings.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <stdexcept>
 
 namespace meristem {
 
@@ -98,8 +101,9 @@ class PlanBuilder {
   }
 
   void add_triangles(std::uint32_t f) {
-    CHECK(mesh_.corner_count(f) == 3, "Loop subdivision needs triangles; face {} has {} corners", f,
-          mesh_.corner_count(f));
+    if (mesh_.corner_count(f) != 3)
+      throw std::runtime_error(
+          fmt::format("the scheme loop needs triangles, and a face has {} corners", mesh_.corner_count(f)));
     const std::uint32_t start = mesh_.face_starts[f];
     const auto c = mesh_.corners(f);
     std::uint32_t v[3], e[3];

@@ -4,6 +4,9 @@
 #include "geometry/mesh/adjacency.h"
 #include "procedural/growth/grow_step.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <numeric>
 #include <set>
 
@@ -92,14 +95,29 @@ double expected_faces(const Model& model) {
   return forecast.total();
 }
 
-void check_corner_counts(const Mesh& base, std::span<const std::unique_ptr<Step>> steps, Diagnostics& diagnostics) {
+void check_corner_counts(const Mesh& base, std::span<const std::unique_ptr<Step>> steps,
+                         std::span<const Location> places, Diagnostics& diagnostics) {
   FaceCensus faces = census_of(base);
   std::set<const Production*> reported;
-  for (const auto& step : steps) {
-    if (const auto* grow = dynamic_cast<const GrowStep*>(step.get()))
+  bool is_exact = true;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Step& step = *steps[i];
+    const auto* grow = dynamic_cast<const GrowStep*>(&step);
+    const auto refinement = step.refinement();
+    if (is_exact && refinement && refinement->scheme == Scheme::Loop) {
+      const auto other = std::ranges::find_if(faces, [](const auto& f) { return f.first.second != 3; });
+      if (other != faces.end()) {
+        diagnostics.error(places[i], fmt::format("the scheme loop needs triangles, and faces here have {} corners; "
+                                                 "leave \"scheme\" out for that of Catmull and Clark, which takes all",
+                                                 other->first.second));
+        return;
+      }
+    }
+    is_exact = is_exact && refinement;
+    if (grow)
       faces = kinds_after_growth(*grow, faces, reported, diagnostics);
-    else if (step->refines())
-      faces = after_refinement(*step, faces);
+    else if (step.refines())
+      faces = after_refinement(step, faces);
   }
 }
 

@@ -18,7 +18,10 @@ double estimated_faces(const Mesh& base, const Extent& extent, std::span<const s
 double expected_faces(const Model& model);
 
 // Reports every production whose template cannot stand on a face that it may meet (a fork on a triangle), following the
-// symbols from the base mesh through all steps; conditions are taken to hold.
-void check_corner_counts(const Mesh& base, std::span<const std::unique_ptr<Step>> steps, Diagnostics& diagnostics);
+// symbols from the base mesh through all steps; conditions are taken to hold. And the scheme loop on faces of the base,
+// or of Catmull-Clark, that are no triangles, at the place of its step; behind growth, which may replace all of them,
+// that is not known here. `places`: of the steps in the file.
+void check_corner_counts(const Mesh& base, std::span<const std::unique_ptr<Step>> steps,
+                         std::span<const Location> places, Diagnostics& diagnostics);
 
 }  // namespace meristem

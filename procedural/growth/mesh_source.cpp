@@ -123,6 +123,12 @@ void MeshSource::read_polygons(const Value& list, const Value* names, Diagnostic
 
 NamedMesh MeshSource::load_file(const std::string& folder, Diagnostics& diagnostics) const {
   const PolygonMesh mesh = load_mesh((std::filesystem::path(folder) / file_).string(), location_, diagnostics);
+  report_conflict(mesh, diagnostics);
+  if (!mesh.colors.empty())
+    diagnostics.warning(location_,
+                        fmt::format("the colours of the vertices of \"{}\" are not shown: `meristem convert` makes a "
+                                    "scene of such a file that has them",
+                                    file_));
   NamedMesh result;
   result.faces.vertices = mesh.positions;
   result.names = mesh.names;
@@ -137,12 +143,28 @@ NamedMesh MeshSource::load_file(const std::string& folder, Diagnostics& diagnost
   return result;
 }
 
+// In the words and at the place of the file, whose vertices count from 1.
+void MeshSource::report_conflict(const PolygonMesh& mesh, Diagnostics& diagnostics) const {
+  if (mesh.face_places.size() != mesh.face_count()) return;
+  const auto conflict = mesh.first_conflict();
+  if (!conflict) return;
+  diagnostics.error(
+      {mesh.text, mesh.face_places[conflict->face]},
+      fmt::format("this face goes along the edge from vertex {} to {}, as that of line {} does: faces that meet there "
+                  "are turned against each other, or more than two; `meristem convert` cuts such meshes apart",
+                  conflict->from + 1, conflict->to + 1,
+                  Location{mesh.text, mesh.face_places[conflict->earlier_face]}.line()));
+}
+
 NamedMesh MeshSource::load(const std::string& folder, Diagnostics& diagnostics) const {
   if (!file_.empty() && !stays_inside(file_)) return {};  // reported when it was read
+  const std::size_t errors_before = diagnostics.errors_found();
   NamedMesh result = file_.empty() ? inline_ : load_file(folder, diagnostics);
+  if (diagnostics.errors_found() > errors_before) return {};
   const std::string defect = manifold_defect(bare_mesh(result.faces));
   if (defect.empty()) return result;
-  diagnostics.error(location_, fmt::format("the mesh is not a manifold: {}", defect));
+  diagnostics.error(location_, fmt::format("the mesh is not a manifold: {}{}", defect,
+                                           file_.empty() ? "" : "; `meristem convert` cuts such files apart"));
   return {};
 }
 

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "geometry/base/params.h"
+#include "geometry/io/polygon_mesh.h"
 #include "procedural/growth/named_faces.h"
 
 #include <string>
@@ -34,6 +35,7 @@ class MeshSource {
   void read_vertices(const Value& list, Diagnostics& diagnostics);
   void read_uv(const Value& list, Diagnostics& diagnostics);
   void read_polygons(const Value& list, const Value* names, Diagnostics& diagnostics);
+  void report_conflict(const PolygonMesh& mesh, Diagnostics& diagnostics) const;
   NamedMesh load_file(const std::string& folder, Diagnostics& diagnostics) const;
 
   Location location_;

@@ -183,7 +183,7 @@ class CommandLine {
   }
 
   void add_convert() {
-    CLI::App& command = *app_.add_subcommand("convert", "make a scene file of a scene of pbrt-v4 or glTF 2.0");
+    CLI::App& command = *app_.add_subcommand("convert", "make a scene file of pbrt-v4, glTF 2.0, OBJ or PLY");
     add_convert_options(command, converted_);
     command.final_callback([this] { exit_code_ = convert_command(converted_); });
   }

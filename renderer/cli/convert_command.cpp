@@ -5,6 +5,7 @@
 #include "renderer/cli/outputs.h"
 #include "renderer/image/atomic_file.h"
 #include "renderer/interchange/gltf_reader.h"
+#include "renderer/interchange/mesh_scene.h"
 #include "renderer/interchange/pbrt_reader.h"
 
 #include <fmt/format.h>
@@ -16,8 +17,10 @@ int convert_command(const ConvertOptions& options) {
   check_writable(options.output);
   Diagnostics diagnostics;
   AssetFolder assets(options.output);
-  ForeignScene scene = options.input.ends_with(".pbrt") ? read_pbrt(options.input, assets, diagnostics)
-                                                        : read_gltf(options.input, assets, diagnostics);
+  const std::string& input = options.input;
+  ForeignScene scene = input.ends_with(".pbrt")                             ? read_pbrt(input, assets, diagnostics)
+                       : input.ends_with(".obj") || input.ends_with(".ply") ? read_mesh_scene(input, diagnostics)
+                                                                            : read_gltf(input, assets, diagnostics);
   complete_foreign_scene(scene, diagnostics);
   write_foreign_scene(scene, options.output, assets);
   if (options.quiet) return int(ExitCode::Done);

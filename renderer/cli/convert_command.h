@@ -6,7 +6,7 @@
 namespace meristem {
 
 struct ConvertOptions {
-  std::string input;   // .pbrt, .gltf or .glb
+  std::string input;   // .pbrt, .gltf, .glb, .obj or .ply
   std::string output;  // .jsonc
   bool quiet = false;
 };

@@ -103,7 +103,7 @@ std::string choices_of(const CLI::Option& option) {
 // Extensions of files that an argument can name.
 std::string extensions_of(const CLI::Option& argument) {
   const std::string name = argument.get_name(true);
-  return name == "SCENE" ? "jsonc json" : name == "FILM" ? "film" : name == "FILE" ? "pbrt gltf glb" : "";
+  return name == "SCENE" ? "jsonc json" : name == "FILM" ? "film" : name == "FILE" ? "pbrt gltf glb obj ply" : "";
 }
 
 std::string option_words(const CLI::App& app) {

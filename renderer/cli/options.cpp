@@ -243,11 +243,12 @@ void add_probe_options(CLI::App& app, ProbeOptions& o) {
 }
 
 void add_convert_options(CLI::App& app, ConvertOptions& o) {
-  app.add_option("FILE", o.input, "pbrt, gltf or glb, by extension")
+  app.add_option("FILE", o.input, "pbrt, gltf, glb, obj or ply, by extension")
       ->required()
       ->check(checked_by([](const std::string& path) {
-        if (!path.ends_with(".pbrt") && !path.ends_with(".gltf") && !path.ends_with(".glb"))
-          throw UsageError("a scene that is converted ends in .pbrt, .gltf or .glb");
+        constexpr std::string_view known[] = {".pbrt", ".gltf", ".glb", ".obj", ".ply"};
+        if (std::ranges::none_of(known, [&](std::string_view end) { return path.ends_with(end); }))
+          throw UsageError("what is converted ends in .pbrt, .gltf, .glb, .obj or .ply");
       }));
   app.add_option("-o,--output", o.output, "scene file; its meshes and images go to a folder of its name")
       ->required()

@@ -233,7 +233,7 @@ class GltfReader {
     repairs.report(primitive.location, diagnostics_);
     if (model.mesh->face_count() == 0) return false;
     if (vary && have_room)
-      color_by_uv(model, plane, attributes->find("COLOR_0")->location);
+      color_model(model, plane, attributes->find("COLOR_0")->location);
     else if (!vary && !colors.empty() && colors[0] != Vec3f(1))
       model.material = tinted(model.material, color_text(Vec3d(colors[0])));
     return true;
@@ -269,26 +269,11 @@ class GltfReader {
     return known && known->find("textures");
   }
 
-  void color_by_uv(ForeignModel& model, const ColorPlane& plane, const Location& where) {
-    std::string text = color_text(plane.corner);
-    if (plane.along_u != Vec3d{}) text += " + u*" + color_text(plane.along_u);
-    if (plane.along_v != Vec3d{}) text += " + v*" + color_text(plane.along_v);
-    if (plane.aside != Vec3d{}) {
-      text += " + p0*" + color_text(plane.aside);
-      const DistancesOfFaces distances = name_faces_by_distance(*model.mesh, plane);
-      for (std::size_t i = 0; i < distances.by_name.size(); ++i)
-        model.symbols.emplace_back(model.mesh->names[i], fmt::format("color({:.6g})", distances.by_name[i]));
-      constexpr double seen = 0.02;
-      if (distances.error > seen)
-        diagnostics_.warning(where,
-                             fmt::format("colours of vertices were simplified by face; they are off by {:.2g} in "
-                                         "the mean",
-                                         distances.error));
-    }
-    model.material = tinted(model.material, fmt::format("({})", text));
+  void color_model(ForeignModel& model, const ColorPlane& plane, const Location& where) {
+    ColorsByUv colors = color_by_uv(*model.mesh, plane, where, diagnostics_);
+    model.symbols = std::move(colors.symbols);
+    model.material = tinted(model.material, fmt::format("({})", colors.expression));
   }
-
-  static std::string color_text(Vec3d c) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", c.x, c.y, c.z); }
 
   // The name of a new material: a copy whose base colour is multiplied by an expression.
   std::string tinted(const std::string& name, const std::string& tint) {

@@ -1,5 +1,7 @@
 #include "renderer/interchange/vertex_colors.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -88,6 +90,25 @@ DistancesOfFaces name_faces_by_distance(PolygonMesh& mesh, const ColorPlane& pla
   }
   result.error = length(plane.aside) * std::sqrt(squares / double(std::max<std::size_t>(mesh.corner_uv.size(), 1)));
   return result;
+}
+
+std::string color_text(Vec3d c) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", c.x, c.y, c.z); }
+
+ColorsByUv color_by_uv(PolygonMesh& mesh, const ColorPlane& plane, const Location& where, Diagnostics& diagnostics) {
+  ColorsByUv colors{color_text(plane.corner), {}};
+  if (plane.along_u != Vec3d{}) colors.expression += " + u*" + color_text(plane.along_u);
+  if (plane.along_v != Vec3d{}) colors.expression += " + v*" + color_text(plane.along_v);
+  if (plane.aside == Vec3d{}) return colors;
+  colors.expression += " + p0*" + color_text(plane.aside);
+  const DistancesOfFaces distances = name_faces_by_distance(mesh, plane);
+  for (std::size_t i = 0; i < distances.by_name.size(); ++i)
+    colors.symbols.emplace_back(mesh.names[i], fmt::format("color({:.6g})", distances.by_name[i]));
+  constexpr double seen = 0.02;
+  if (distances.error > seen)
+    diagnostics.warning(where,
+                        fmt::format("colours of vertices were simplified by face; they are off by {:.2g} in the mean",
+                                    distances.error));
+  return colors;
 }
 
 }  // namespace meristem

@@ -3,9 +3,12 @@
 // from it is kept by face. Pure functions.
 #pragma once
 
+#include "geometry/base/source.h"
 #include "geometry/io/polygon_mesh.h"
 
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace meristem {
@@ -27,5 +30,15 @@ struct DistancesOfFaces {
   double error = 0;
 };
 DistancesOfFaces name_faces_by_distance(PolygonMesh& mesh, const ColorPlane& plane);
+
+// How a material and the symbols of faces say them: an expression over u, v and p0, and symbols by the names of faces.
+struct ColorsByUv {
+  std::string expression;
+  std::vector<std::pair<std::string, std::string>> symbols;
+};
+// Of a mesh as above, whose faces may get other names. Warns at `where` if colours are off by what is seen.
+ColorsByUv color_by_uv(PolygonMesh& mesh, const ColorPlane& plane, const Location& where, Diagnostics& diagnostics);
+
+std::string color_text(Vec3d color);
 
 }  // namespace meristem

@@ -39,7 +39,7 @@ class ModelBuilder {
     symbols_->report_terminals(diagnostics_);
     if (diagnostics_.errors_found() > errors_before) return nullptr;
     symbols_->report_unreachable(diagnostics_);
-    check_corner_counts(base, steps_, diagnostics_);
+    check_corner_counts(base, steps_, step_places_, diagnostics_);
     if (diagnostics_.errors_found() > errors_before) return nullptr;
     try {
       return std::make_shared<const Model>(seed_name(), std::move(base), std::move(steps_), context_.cells);
@@ -89,7 +89,12 @@ class ModelBuilder {
     if (steps.kind != Value::Kind::Array)
       return diagnostics_.error(steps.location,
                                 fmt::format("\"steps\" is an array of steps, found {}", steps.kind_name()));
-    for (const Value& step : steps.items) read_step(step);
+    step_places_.resize(steps_.size(), steps.location);  // those of the base
+    for (const Value& step : steps.items) {
+      read_step(step);
+      const Value* const scheme = step.find("scheme");
+      step_places_.resize(steps_.size(), scheme ? scheme->location : step.location);
+    }
     if (int(steps_.size()) > most_levels)
       diagnostics_.error(steps.location,
                          fmt::format("the steps make {} levels; the limit is {}", steps_.size(), most_levels));
@@ -125,6 +130,7 @@ class ModelBuilder {
                             context_.folder,
                             [this](const std::string& production) { return production_number(production); }};
   std::vector<std::unique_ptr<Step>> steps_;
+  std::vector<Location> step_places_;
   int subdivisions_ = 0;
   Key step_count_ = 0;
 };

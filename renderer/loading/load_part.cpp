@@ -295,6 +295,10 @@ std::shared_ptr<const Model> PartLibrary::build_ground(const std::string& on, co
 
 std::vector<Scatter::Choice> PartLibrary::read_choices(const Value& list, int seed) {
   std::vector<Scatter::Choice> choices;
+  if (list.items.empty())
+    context_->diagnostics.error(
+        list.location,
+        fmt::format("\"scatter\" is an array of one or more {{\"model\": name}}, found {}", list.kind_name()));
   for (const Value& item : list.items) {
     Params params(item, "scattered model", context_->diagnostics);
     const std::string name = params.required_text("model", "name of one of the file's models");

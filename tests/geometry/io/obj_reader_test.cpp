@@ -55,6 +55,38 @@ TEST(ObjReader, NegativeIndicesCountFromTheLastVertexSoFar) {
   EXPECT_EQ(r.mesh.corner_positions, (std::vector<std::uint32_t>{0, 1, 2, 3, 0, 1}));
 }
 
+// As scanners write them, in sRGB; of all vertices or of none. One more number is a weight.
+TEST(ObjReader, ReadsColorsBehindPositions) {
+  const Result r = read("v 0 0 0 1 0 .5\nv 1 0 0 0 2 0 # green\nv 0 1 0 .04045 0 0\nf 1 2 3\n");
+  EXPECT_TRUE(r.diagnostics.list().empty());
+  ASSERT_EQ(r.mesh.colors.size(), 3u);
+  EXPECT_EQ(r.mesh.colors[0].x, 1);
+  EXPECT_NEAR(r.mesh.colors[0].z, 0.2140, 1e-4);
+  EXPECT_EQ(r.mesh.colors[1], (Vec3f{0, 1, 0}));
+  EXPECT_NEAR(r.mesh.colors[2].x, 0.04045 / 12.92, 1e-6);
+  EXPECT_TRUE(read("v 0 0 0 1 0 .5\nv 1 0 0\nv 0 1 0 1 1 1\nf 1 2 3\n").mesh.colors.empty());
+  EXPECT_TRUE(read("v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 3\n").mesh.colors.empty());
+}
+
+TEST(ObjReader, ABrokenVertexIsOneError) {
+  const Result r = read("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  ASSERT_EQ(r.diagnostics.list().size(), 1u);
+  EXPECT_EQ(first_error("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "1:3 the number is not finite or out of range");
+}
+
+TEST(ObjReader, FacesThatRunTheSameWayAreFoundAtTheirPlaces) {
+  const Result turned = read(triangle_points + "v 1 1 0\nf 1 2 3\nf 2 3 4\n");
+  const auto conflict = turned.mesh.first_conflict();
+  ASSERT_TRUE(conflict);
+  EXPECT_EQ(conflict->face, 1u);
+  EXPECT_EQ(conflict->earlier_face, 0u);
+  EXPECT_EQ(conflict->from, 1u);
+  EXPECT_EQ(conflict->to, 2u);
+  ASSERT_EQ(turned.mesh.face_places.size(), 2u);
+  EXPECT_EQ((Location{turned.mesh.text, turned.mesh.face_places[1]}.line()), 6u);
+  EXPECT_FALSE(read(triangle_points + "v 1 1 0\nf 1 2 3\nf 3 2 4\n").mesh.first_conflict());
+}
+
 TEST(ObjReader, AByteOrderMarkIsPassedOver) {
   const Result r = read("\xef\xbb\xbf" + triangle_points + "f 1 2 3\n");
   EXPECT_TRUE(r.diagnostics.list().empty());

@@ -49,6 +49,24 @@ TEST(PlyReader, ReadsTextWithCoordinatesAndWhatItDoesNotKnow) {
   EXPECT_EQ(r.mesh.corner_uv, r.mesh.corner_positions);
 }
 
+TEST(PlyReader, ReadsColorsOfVertices) {
+  const auto colored = [](const std::string& type) {
+    std::string text = triangle_header;
+    text.replace(text.find("element face"), 12,
+                 "property " + type + " red\nproperty " + type + " green\nproperty " + type + " blue\nproperty " +
+                     type + " alpha\nelement face");
+    return text;
+  };
+  const Result bytes = read(colored("uchar") + "0 0 0 255 0 128 255  1 0 0 0 0 0 255  0 1 0 0 0 0 255  3 0 1 2\n");
+  EXPECT_TRUE(bytes.diagnostics.list().empty());
+  ASSERT_EQ(bytes.mesh.colors.size(), 3u);
+  EXPECT_EQ(bytes.mesh.colors[0].x, 1);
+  EXPECT_NEAR(bytes.mesh.colors[0].z, 0.2158, 1e-3) << "sRGB";
+  const Result floats = read(colored("float") + "0 0 0 1 0 .5 1  1 0 0 0 0 0 1  0 1 0 0 0 0 1  3 0 1 2\n");
+  EXPECT_EQ(floats.mesh.colors.at(0), (Vec3f{1, 0, .5f})) << "linear";
+  EXPECT_TRUE(read(triangle_header + "0 0 0  1 0 0  0 1 0\n3 0 1 2\n").mesh.colors.empty());
+}
+
 TEST(PlyReader, CornersMayHaveCoordinatesOfTheirOwn) {
   std::string text = triangle_header;
   text.replace(text.find("end_header"), 10, "property list uchar float texcoord\nend_header");

@@ -16,7 +16,7 @@ double forecast(Derivation& d) {
 std::vector<std::string> corner_messages(Derivation& d) {
   std::vector<std::unique_ptr<Step>> steps;
   for (auto& step : d.steps) steps.push_back(std::move(step));
-  check_corner_counts(d.base, steps, d.diagnostics);
+  check_corner_counts(d.base, steps, std::vector<Location>(steps.size()), d.diagnostics);
   return d.messages();
 }
 
