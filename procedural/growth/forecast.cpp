@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -31,23 +32,41 @@ FaceCensus after_refinement(const Step& step, const FaceCensus& before) {
   return after;
 }
 
-// The kinds of faces there may be after a grow step, not their numbers. Whatever may stay, stays.
-FaceCensus kinds_after_growth(const GrowStep& step, const FaceCensus& before, std::set<const Production*>& reported,
-                              Diagnostics& diagnostics) {
-  FaceCensus after = before;
-  for (const auto& [kind, count] : before)
-    for (const Production& p : step.rules().of(kind.first)) {
-      const std::string refusal = p.part().shape->refusal(kind.second);
-      if (!refusal.empty()) {
-        if (reported.insert(&p).second) diagnostics.error(p.location(), refusal);
-        continue;
-      }
-      const NamedFaces grown = sample_growth(p.part(), kind.second);
-      for (std::uint32_t f = 0; f < grown.face_count(); ++f)
-        after[{p.successor(grown.names[f]).symbol(), std::uint32_t(grown.face(f).size())}] = 1;
+// The kinds of faces there may be after grow steps, not their numbers. Whatever may stay, stays.
+class KindsOfFaces {
+ public:
+  KindsOfFaces(FaceCensus faces, Diagnostics& diagnostics) : faces_(std::move(faces)), diagnostics_(diagnostics) {}
+
+  const FaceCensus& faces() const { return faces_; }
+  void refine(const Step& step) { faces_ = after_refinement(step, faces_); }
+  void grow(const GrowStep& step) {
+    FaceCensus after = faces_;
+    for (const auto& [kind, count] : faces_)
+      for (const Production& p : step.rules().of(kind.first))
+        for (const auto& grown : kinds_on(p, kind.second)) after[grown] = 1;
+    faces_ = std::move(after);
+  }
+
+ private:
+  // What a production makes of a face with so many corners; nothing, and an error, if it cannot stand there.
+  const std::vector<FaceCensus::key_type>& kinds_on(const Production& p, std::uint32_t corners) {
+    const auto [known, is_new] = known_.try_emplace({&p, corners});
+    if (!is_new) return known->second;
+    if (const std::string refusal = p.part().shape->refusal(corners); !refusal.empty()) {
+      if (reported_.insert(&p).second) diagnostics_.error(p.location(), refusal);
+      return known->second;
     }
-  return after;
-}
+    const NamedFaces grown = sample_growth(p.part(), corners);
+    for (std::uint32_t f = 0; f < grown.face_count(); ++f)
+      known->second.push_back({p.successor(grown.names[f]).symbol(), std::uint32_t(grown.face(f).size())});
+    return known->second;
+  }
+
+  FaceCensus faces_;
+  Diagnostics& diagnostics_;
+  std::map<std::pair<const Production*, std::uint32_t>, std::vector<FaceCensus::key_type>> known_;
+  std::set<const Production*> reported_;
+};
 
 // Takes a forecast through steps, one by one.
 class Forecast {
@@ -97,16 +116,15 @@ double expected_faces(const Model& model) {
 
 void check_corner_counts(const Mesh& base, std::span<const std::unique_ptr<Step>> steps,
                          std::span<const Location> places, Diagnostics& diagnostics) {
-  FaceCensus faces = census_of(base);
-  std::set<const Production*> reported;
+  KindsOfFaces kinds(census_of(base), diagnostics);
   bool is_exact = true;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const Step& step = *steps[i];
     const auto* grow = dynamic_cast<const GrowStep*>(&step);
     const auto refinement = step.refinement();
     if (is_exact && refinement && refinement->scheme == Scheme::Loop) {
-      const auto other = std::ranges::find_if(faces, [](const auto& f) { return f.first.second != 3; });
-      if (other != faces.end()) {
+      const auto other = std::ranges::find_if(kinds.faces(), [](const auto& f) { return f.first.second != 3; });
+      if (other != kinds.faces().end()) {
         diagnostics.error(places[i], fmt::format("the scheme loop needs triangles, and faces here have {} corners; "
                                                  "leave \"scheme\" out for that of Catmull and Clark, which takes all",
                                                  other->first.second));
@@ -115,9 +133,9 @@ void check_corner_counts(const Mesh& base, std::span<const std::unique_ptr<Step>
     }
     is_exact = is_exact && refinement;
     if (grow)
-      faces = kinds_after_growth(*grow, faces, reported, diagnostics);
+      kinds.grow(*grow);
     else if (step.refines())
-      faces = after_refinement(step, faces);
+      kinds.refine(step);
   }
 }
 

@@ -50,14 +50,15 @@ void merge(const SymbolRange& range, std::vector<SymbolRange>& list) {
 }  // namespace
 
 GrowStep::GrowStep(std::shared_ptr<const GrowthRules> rules, std::shared_ptr<const GrowthSymbols> symbols, int index,
-                   int level, Key seed)
+                   int level, Key seed, const GrowStep* before)
     : rules_(std::move(rules)),
       symbols_(std::move(symbols)),
       index_(index),
       level_(level),
       key_salt_(hash_keys(hash_text("grow"), std::uint64_t(index))),
       random_salt_(hash_keys(seed, key_salt_)) {
-  for (std::uint32_t corners = 3; corners < most_children_.size(); ++corners)
+  if (before) most_children_ = before->most_children_;
+  for (std::uint32_t corners = 3; !before && corners < most_children_.size(); ++corners)
     most_children_[corners] = count_children(corners);
 }
 
@@ -510,7 +511,8 @@ std::vector<std::unique_ptr<GrowStep>> make_grow_steps(const Value& step_object,
       std::make_shared<GrowthRules>(*grow.rules, Vec3f(normalize(grow.light)), last_step, context, diagnostics);
   if (grow.thinning) rules->read_thinning(*grow.thinning, *context.symbols, diagnostics);
   for (int level = 0; level < grow.count; ++level)
-    steps.push_back(std::make_unique<GrowStep>(rules, context.symbols, context.next_step++, level, context.seed));
+    steps.push_back(std::make_unique<GrowStep>(rules, context.symbols, context.next_step++, level, context.seed,
+                                               steps.empty() ? nullptr : steps.back().get()));
   return steps;
 }
 

@@ -32,9 +32,9 @@ using FaceCensus = std::map<std::pair<std::int32_t, std::uint32_t>, double>;
 
 class GrowStep : public Step {
  public:
-  // `index`: of the model's grow steps; `level`: of the steps of its entry.
+  // `index`: of the model's grow steps; `level`: of the steps of its entry; `before`: one with the same rules.
   GrowStep(std::shared_ptr<const GrowthRules> rules, std::shared_ptr<const GrowthSymbols> symbols, int index, int level,
-           Key seed);
+           Key seed, const GrowStep* before = nullptr);
 
   std::string name() const override;
   int halo_rings(int rings_after) const override { return rings_after + (rules_->uses_neighbors() ? 1 : 0); }
