@@ -186,6 +186,8 @@ _meristem() {{
   if [[ -n $words ]]; then
     # Of a list the last
     [[ $word == *,* ]] && words=$(printf "${{word%,*}},%s " $words)
+    # Blanks in words are quoted as those of files are
+    [[ $words == *\\* ]] && compopt -o filenames 2>/dev/null
     mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
   elif [[ -n $files ]]; then
     compopt -o filenames 2>/dev/null

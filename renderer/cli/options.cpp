@@ -195,8 +195,11 @@ void add_output_options(CLI::App& app, OutputOptions& o) {
   grouped(repeatable(app.add_option("-o,--output", o.files, "exr, png, jpg, tif or film, by extension; repeatable")))
       ->check(checked_by(check_extension))
       ->type_name("FILE");
-  grouped(app.add_option("--view", o.view, "of display images: \"ACES SDR\", sRGB, Raw"))->type_name("NAME");
-  grouped(app.add_option("--display", o.display, "of display images: sRGB, Rec.1886, P3-D65"))->type_name("NAME");
+  // Those that are built in are offered
+  offer(grouped(app.add_option("--view", o.view, "of display images: \"ACES SDR\", sRGB, Raw"))->type_name("NAME"),
+        "ACES\\ SDR sRGB Raw");
+  offer(grouped(app.add_option("--display", o.display, "of display images: sRGB, Rec.1886, P3-D65"))->type_name("NAME"),
+        "sRGB Rec.1886 P3-D65");
   grouped(app.add_option("--exposure", o.exposure, "of display images")->check(CLI::Range(-100.0, 100.0)))
       ->type_name("STOPS");
   grouped(app.add_option("--bits", o.bits, "a channel in PNG and TIFF")->check(CLI::IsMember({8, 16})))

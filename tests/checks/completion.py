@@ -42,6 +42,8 @@ def main():
         for option, word, expected in [("--expand", "", {"lazy", "eager", "flat"}), ("--bits", "", {"8", "16"}),
                                        ("--ray-order", "q", {"queued"}), ("--progress", "j", {"json"}),
                                        ("--aov", "id", {"id.object", "id.material"}),
+                                       ("--view", "", {"ACES SDR", "sRGB", "Raw"}), ("--view", "AC", {"ACES SDR"}),
+                                       ("--display", "P3", {"P3-D65"}),
                                        ("--aov", "Z,alb", {"Z,albedo"}), ("--samples", "", set())]:
             found = shell.offers("render", "hut.jsonc", option, word)
             assert set(found) == expected, (option, found)
