@@ -56,10 +56,13 @@ CellEntry::CellEntry(std::unique_ptr<SurfacePatch> patch, Key key)
   label.tree_bytes = sizeof(SurfacePatch) + patch_->tree().bytes();
 }
 
-CellEntry::CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner, std::shared_ptr<KnownChildren> known)
-    : root_(&root), inner_(std::move(inner)) {
-  set_children(inner_->child_bounds, std::move(known));
-  bytes = with_gaps(proxies_->bytes() + inner_->bytes() + child_count_ * sizeof(CacheSlot) + sizeof(*this));
+// A cell that is shared counts with each of those that share it, since any of them may keep it for the longest.
+CellEntry::CellEntry(const LazyRoot& root, std::shared_ptr<const InnerCell> inner,
+                     std::vector<Bounds3f> furnished_bounds, std::shared_ptr<KnownChildren> known)
+    : root_(&root), inner_(std::move(inner)), furnished_bounds_(std::move(furnished_bounds)) {
+  set_children(child_bounds(), std::move(known));
+  bytes = with_gaps(proxies_->bytes() + inner_->bytes() + furnished_bounds_.capacity() * sizeof(Bounds3f) +
+                    child_count_ * sizeof(CacheSlot) + sizeof(*this));
 }
 
 CellEntry::CellEntry(const LazyRoot& root, Grove grove) : root_(&root), grove_(std::move(grove)) {
@@ -111,7 +114,7 @@ std::vector<Bounds3f> CellEntry::boxes() const {
   if (patch_)
     for (const SurfaceTree::Part& p : patch_->tree().parts(Outline::most_boxes)) boxes.push_back(p.box);
   else if (inner_)
-    boxes = inner_->child_bounds;
+    boxes = child_bounds();
   else if (grove_)
     boxes = grove_->bounds();
   else

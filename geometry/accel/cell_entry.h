@@ -19,7 +19,9 @@ class LazyRoot;
 class CellEntry : public CacheEntry {
  public:
   CellEntry(std::unique_ptr<SurfacePatch> patch, Key key);
-  CellEntry(const LazyRoot& root, std::unique_ptr<InnerCell> inner, std::shared_ptr<KnownChildren> known);
+  // Of ground several entries share the cell, each with child bounds of its own, as many as it has; else they are empty.
+  CellEntry(const LazyRoot& root, std::shared_ptr<const InnerCell> inner, std::vector<Bounds3f> furnished_bounds,
+            std::shared_ptr<KnownChildren> known);
   CellEntry(const LazyRoot& root, Grove grove);
   CellEntry() = default;
   // What is placed may name the entry as its owner, so it comes in afterwards.
@@ -42,6 +44,10 @@ class CellEntry : public CacheEntry {
   Key key() const { return key_; }                         // of a surface
   const InnerCell* inner() const { return inner_.get(); }  // null: not split, or a grove
   const Grove* grove() const { return grove_ ? &*grove_ : nullptr; }
+  // Of a cell that was split, before anything is known of its children.
+  const std::vector<Bounds3f>& child_bounds() const {
+    return furnished_bounds_.empty() ? inner_->child_bounds : furnished_bounds_;
+  }
   std::size_t child_count() const { return child_count_; }
   const Instances* instances() const { return instances_.get(); }
   Instances* instances() { return instances_.get(); }
@@ -62,7 +68,8 @@ class CellEntry : public CacheEntry {
   Key key_ = 0;
   Bounds3f real_bounds_;
   const LazyRoot* root_ = nullptr;
-  std::unique_ptr<InnerCell> inner_;
+  std::shared_ptr<const InnerCell> inner_;
+  std::vector<Bounds3f> furnished_bounds_;  // of its children; none: they are those of inner_
   std::optional<Grove> grove_;
   std::size_t child_count_ = 0;
   std::unique_ptr<CacheSlot[]> slots_;

@@ -189,7 +189,7 @@ std::unique_ptr<CacheEntry> LazyRoot::make_child_entry(const CellEntry& parent, 
   if (parent.grove()) return make_group_entry(parent, index);
   const InnerCell& inner = *parent.inner();
   if (auto entry = kept_surface(child_name(parent, index), inner.child_keys[index])) return entry;
-  return make_entry([&] { return child_cell(model(), inner, index); }, inner.level, inner.child_bounds[index],
+  return make_entry([&] { return child_cell(model(), inner, index); }, inner.level, parent.child_bounds()[index],
                     inner.child_keys[index]);
 }
 
@@ -229,16 +229,20 @@ std::unique_ptr<CellEntry> LazyRoot::surface_entry(std::unique_ptr<SurfacePatch>
 }
 
 std::unique_ptr<CacheEntry> LazyRoot::entry_of(Expansion& expansion, const Bounds3f& bounds, Key key, int level) const {
-  if (expansion.inner) return split_entry(std::move(expansion.inner), key, level);
+  if (expansion.inner) return split_entry(std::move(expansion.inner), {}, key, level);
   auto entry = surface_entry(std::make_unique<SurfacePatch>(std::move(*expansion.leaf)), key);
   check_bounds(bounds, entry->real_bounds());
   return entry;
 }
 
-std::unique_ptr<CacheEntry> LazyRoot::split_entry(std::unique_ptr<InnerCell> inner, Key key, int level) const {
+std::unique_ptr<CacheEntry> LazyRoot::split_entry(std::shared_ptr<const InnerCell> inner,
+                                                  std::vector<Bounds3f> child_bounds, Key key, int level) const {
   auto known = roots_.known().of(hash_keys(number_, key, Key(level)), inner->child_count());
   std::unique_ptr<CacheEntry> entry;
-  run_isolated([&] { entry = std::make_unique<CellEntry>(*this, std::move(inner), std::move(known)); });
+  run_isolated([&] {
+    entry =
+        std::make_unique<CellEntry>(*this, std::move(inner), std::move(child_bounds), std::move(known));
+  });
   return entry;
 }
 
@@ -255,7 +259,7 @@ std::unique_ptr<CacheEntry> LazyRoot::make_ground_entry(const Cut& cut, int leve
     return std::make_shared<const ExpandedCell>(expanded(cut, level));
   });
   const double built_from_s = counts_.now_s();
-  auto entry = ground_entry(ground->expansion, bounds, key, level);
+  auto entry = ground_entry(ground, bounds, key, level);
   const Expansion nothing;
   count({model(), level, hash_keys(key, identity()), ground->symbol, is_new ? ground->expansion : nothing, start_s,
          built_from_s, bounds},
@@ -263,14 +267,15 @@ std::unique_ptr<CacheEntry> LazyRoot::make_ground_entry(const Cut& cut, int leve
   return entry;
 }
 
-std::unique_ptr<CacheEntry> LazyRoot::ground_entry(const Expansion& expansion, const Bounds3f& bounds, Key key,
-                                                   int level) const {
-  if (expansion.inner) {
-    auto inner = std::make_unique<InnerCell>(*expansion.inner);
-    for (Bounds3f& b : inner->child_bounds) b = furnished_bounds(b);
-    return split_entry(std::move(inner), key, level);
+std::unique_ptr<CacheEntry> LazyRoot::ground_entry(const std::shared_ptr<const ExpandedCell>& ground,
+                                                   const Bounds3f& bounds, Key key, int level) const {
+  if (const InnerCell* inner = ground->expansion.inner.get()) {
+    std::vector<Bounds3f> child_bounds;
+    child_bounds.reserve(inner->child_count());
+    for (const Bounds3f& b : inner->child_bounds) child_bounds.push_back(furnished_bounds(b));
+    return split_entry({ground, inner}, std::move(child_bounds), key, level);
   }
-  auto entry = furnished(expansion.mesh);
+  auto entry = furnished(ground->expansion.mesh);
   check_bounds(bounds, entry->real_bounds());
   return entry;
 }

@@ -58,9 +58,10 @@ class LazyRoot final : public ModelRoot {
   template <class Cut>
   ExpandedCell expanded(const Cut& cut, int level) const;
   void count(MadeCell cell, CacheEntry& entry) const;
-  std::unique_ptr<CacheEntry> ground_entry(const Expansion& expansion, const Bounds3f& bounds, Key key,
-                                           int level) const;
-  std::unique_ptr<CacheEntry> split_entry(std::unique_ptr<InnerCell> inner, Key key, int level) const;
+  std::unique_ptr<CacheEntry> ground_entry(const std::shared_ptr<const ExpandedCell>& ground, const Bounds3f& bounds,
+                                           Key key, int level) const;
+  std::unique_ptr<CacheEntry> split_entry(std::shared_ptr<const InnerCell> inner, std::vector<Bounds3f> child_bounds,
+                                          Key key, int level) const;
   std::unique_ptr<CacheEntry> entry_of(Expansion& expansion, const Bounds3f& bounds, Key key, int level) const;
   std::unique_ptr<CacheEntry> kept_surface(Key name, Key key) const;
   std::unique_ptr<CellEntry> surface_entry(std::unique_ptr<SurfacePatch> patch, Key key) const;

@@ -1,9 +1,11 @@
 // Ground on which parts are placed.
+#include "geometry/accel/lazy_root.h"
 #include "geometry/accel/world.h"
 #include "tests/support/test_model.h"
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <stdexcept>
 
 namespace meristem {
@@ -80,6 +82,30 @@ TEST(Ground, IsExpandedOnceForAllThatStandsOnIt) {
   const std::uint64_t alone = eager({furnished(one, placer)}).faces;
   EXPECT_EQ(eager({furnished(one, placer), furnished(one, second)}).faces, alone);
   EXPECT_GT(eager({furnished(one, placer), furnished(other, second)}).faces, alone + 16 * 64);
+}
+
+// Each with boxes of what it puts there.
+TEST(Ground, IsHeldOnceByAllThatStandsOnIt) {
+  GeometryCache cache(std::numeric_limits<std::size_t>::max());
+  ExpansionCounts counts;
+  Roots roots(ExpandMode::Lazy, 1, cache, counts);
+  const auto ground = wide_ground();
+  const auto root_on = [&](std::shared_ptr<const Part> stands_there) {
+    const auto part =
+        std::make_shared<const Part>(ground, std::make_shared<const OnCorners>(std::move(stands_there)));
+    return std::make_unique<LazyRoot>(RootSource{part, nullptr, 0, nullptr, part->bounds}, roots, cache, counts,
+                                      nullptr);
+  };
+  const auto low = root_on(small_cube()), high = root_on(std::make_shared<const Part>(bumpy_model(shapes::cube(2), 1, 0)));
+  CellEntry *const under_low = low->root(), *const under_high = high->root();
+  ASSERT_TRUE(under_low && under_low->inner());
+  EXPECT_EQ(under_low->inner(), under_high->inner());
+  ASSERT_EQ(under_low->child_bounds().size(), under_low->child_count());
+  for (std::size_t i = 0; i < under_low->child_count(); ++i) {
+    const Bounds3f &a = under_low->child_bounds()[i], &b = under_high->child_bounds()[i];
+    EXPECT_GT(a.size().y, under_low->inner()->child_bounds[i].size().y);
+    EXPECT_GT(b.size().y, a.size().y + 2);
+  }
 }
 
 TEST(Ground, AGroupThatCannotBePlacedIsDrawnAsItsBox) {
