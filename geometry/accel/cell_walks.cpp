@@ -72,9 +72,8 @@ void LazyRoot::add_placed(std::vector<const ModelRoot*>& roots) const {
   CellEntry* const cell = found(slot_);
   if (!cell) return;
   const auto add = [&](const CellEntry& end) {
-    if (!end.instances()) return;
-    const std::vector<const ModelRoot*> placed = end.instances()->roots();
-    roots.insert(roots.end(), placed.begin(), placed.end());
+    const Instances* const placed = end.instances();
+    for (std::uint32_t i = 0; placed && i < placed->count(); ++i) placed->instance(i).add_roots(roots);
   };
   for_each_end(*cell, add, [](const CellEntry&, std::uint32_t) {});
 }
@@ -86,7 +85,12 @@ std::size_t LazyRoot::braid() const {
     if (!patch->tree().nodes().empty()) lone_.emplace(*patch, cell->key());
     return 0;
   }
+  // Instances may be a million
+  std::size_t placed = 0;
+  const auto count = [&](const CellEntry& end) { placed += end.instances() ? end.instances()->count() : 0; };
+  for_each_end(*cell, count, [](const CellEntry&, std::uint32_t) {});
   BraidedCells::Strands strands;
+  strands.placed.reserve(placed);
   const auto add = [&](const CellEntry& end) {
     if (end.patch())
       strands.surfaces.push_back({end.patch(), end.key()});

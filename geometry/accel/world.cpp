@@ -2,6 +2,7 @@
 
 #include "geometry/accel/class_worlds.h"
 #include "geometry/accel/leaf_store.h"
+#include "geometry/accel/root_generations.h"
 #include "geometry/accel/search_driver.h"
 #include "geometry/accel/streamed_rays.h"
 #include "geometry/base/parallel.h"
@@ -12,7 +13,7 @@
 #include <atomic>
 #include <limits>
 #include <new>
-#include <unordered_set>
+#include <numeric>
 
 namespace meristem {
 
@@ -190,23 +191,20 @@ class World final : public Intersector {
     return !worlds_->empty();
   }
 
+  // Roots that do not wait for each other at once.
   void braid() {
-    std::unordered_set<const ModelRoot*> seen;
-    braid(worlds_->roots(), seen);
+    const std::vector<std::vector<const ModelRoot*>> generations = root_generations(worlds_->roots());
+    for (const std::vector<const ModelRoot*>& roots : generations)
+      braided_.insert(braided_.end(), roots.begin(), roots.end());
+    for (const std::vector<const ModelRoot*>& roots : generations) braid(roots);
     worlds_->braid();
   }
 
-  // What is placed in a root before the root.
-  void braid(const std::vector<const ModelRoot*>& roots, std::unordered_set<const ModelRoot*>& seen) {
-    for (const ModelRoot* root : roots) {
-      if (!seen.insert(root).second) continue;
-      std::vector<const ModelRoot*> placed;
-      root->add_placed(placed);
-      braid(placed, seen);
-      braided_.push_back(root);
-      braid_bytes_ += root->braid();
-      has_passages_ = has_passages_ || root->passage();
-    }
+  void braid(const std::vector<const ModelRoot*>& roots) {
+    std::vector<std::size_t> bytes(roots.size());
+    parallel_for(roots.size(), [&](std::size_t i) { bytes[i] = roots[i]->braid(); });
+    braid_bytes_ += std::accumulate(bytes.begin(), bytes.end(), std::size_t(0));
+    has_passages_ = has_passages_ || std::ranges::any_of(roots, [](const ModelRoot* r) { return r->passage(); });
   }
 
   void unbraid() {

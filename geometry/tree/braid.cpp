@@ -45,6 +45,7 @@ class Ends {
   static std::uint8_t shape_of(const Item& item) { return std::uint8_t(item.source.grid); }
   const Braid::Strand& strand_of(const Item& item) const { return strands_[item.source.first]; }
   std::size_t strand_count() const { return strands_.size(); }
+  void forget_items() { items_ = {}; }
 
  private:
   void add(const Bounds3f& b, std::uint32_t number, std::uint8_t shape) {
@@ -103,6 +104,7 @@ Braid::Braid(std::span<const Tree> trees, std::span<const Bounds3f> others) {
   builder.nodes.reserve(ends.items().size() / 4 + 1);
   builder.strands.reserve(ends.strand_count());
   builder.make_node(0, {ends.items(), tree::extent_of(ends.items())}, 0);
+  ends.forget_items();  // before the nodes stand twice
   nodes_.assign(builder.nodes.begin(), builder.nodes.end());
   strands_ = std::move(builder.strands);
 }
