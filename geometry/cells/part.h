@@ -4,6 +4,7 @@
 #pragma once
 
 #include "geometry/base/motion.h"
+#include "geometry/cells/individual_bounds.h"
 #include "geometry/cells/model.h"
 
 #include <cstdint>
@@ -100,6 +101,7 @@ struct Part {
   // bounds_of_individual() knows how much by the footprint.
   const bool enlarges = false;
   const Bounds3f typical;  // of one individual, for decisions that need not be exact
+  mutable IndividualBounds individual_bounds;  // if it derives: for bounds_of_individual(). Nothing else of a part changes
 };
 
 }  // namespace meristem

@@ -91,7 +91,11 @@ bool is_about_constant(const Footprint::Range& range) { return range.most <= mos
 // The twigs of a tree are many and reach little beyond its branches.
 Bounds3f bounds_of_individual(const Part& part, const Footprint* footprint, Key individual, const Bounds3f& otherwise) {
   constexpr int derived_levels = 2;
-  if (part.derives) return model_bounds(*part.model, footprint, individual, derived_levels);
+  if (part.derives) {
+    const auto derive = [&] { return model_bounds(*part.model, footprint, individual, derived_levels); };
+    const ConstantFootprint* const seen_as = as_constant(footprint);
+    return seen_as ? part.individual_bounds.get({individual, seen_as->at({}), seen_as->fades()}, derive) : derive();
+  }
   if (!part.enlarges || !footprint) return otherwise;
   return reaching_further(otherwise, part.typical, enlarged_bounds(part, footprint, individual));
 }

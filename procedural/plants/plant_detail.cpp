@@ -103,34 +103,44 @@ void merge_leaves(const WeberPennParameters& p, double share, PlantDetail& d) {
 }  // namespace
 
 double kept_share(const WeberPennParameters& p, int level, double footprint) {
-  const bool is_bare = level < p.levels && expected_children(p, level) == 0;
-  if (level == 0 || footprint <= 0 || is_bare) return 1;
-  if (level < p.levels) {
-    // Whole stems are left out only where children are, even if none ever bears as many as are wanted on those that
-    // stay
-    const double children = mean_of_most_children * expected_children(p, level);
-    const double fewest = std::min(children, fewest_children(p, level, smallest_card * footprint));
-    return std::min(1.0, kept_share(p, level + 1, footprint) * children / fewest);
-  }
+  return KeptShares(p, footprint).of(level);
+}
+
+KeptShares::KeptShares(const WeberPennParameters& p, double footprint)
+    : footprint_(footprint), shares_(std::size_t(p.levels) + 1, 1.0) {
+  if (footprint <= 0) return;
   const double card = smallest_card * footprint / leaf_length(p);
   const double table = degradation::leaf_points(degradation::effective_range(footprint), 200);
   const double share = std::min(table, p.leaf_scale_x / (card * card));
-  return std::clamp(share, std::min(1.0, fewest_leaves / expected_leaves(p)), 1.0);
+  shares_.back() = std::clamp(share, std::min(1.0, fewest_leaves / expected_leaves(p)), 1.0);
+  for (int level = p.levels; --level > 0;) {
+    // Whole stems are left out only where children are, even if none ever bears as many as are wanted on those that
+    // stay
+    if (expected_children(p, level) == 0) continue;
+    const double children = mean_of_most_children * expected_children(p, level);
+    const double fewest = std::min(children, fewest_children(p, level, smallest_card * footprint));
+    shares_[std::size_t(level)] = std::min(1.0, of(level + 1) * children / fewest);
+  }
 }
 
 PlantDetail plant_detail(const WeberPennParameters& p, int level, double radius, double segment, double footprint,
                          bool is_smoothed) {
+  return plant_detail(p, level, radius, segment, KeptShares(p, footprint), is_smoothed);
+}
+
+PlantDetail plant_detail(const WeberPennParameters& p, int level, double radius, double segment,
+                         const KeptShares& shares, bool is_smoothed) {
+  const double footprint = shares.footprint();
   PlantDetail result;
   result.stem = full_detail(p, level, is_smoothed);
   const bool bears_leaves = level + 1 == p.levels;
-  const double leaves = kept_share(p, p.levels, footprint);
-  if (bears_leaves) merge_leaves(p, leaves, result);
+  if (bears_leaves) merge_leaves(p, shares.of(p.levels), result);
   if (footprint <= 0) return result;
   const double r = degradation::effective_range(footprint), s = 0.5 * p.quality, d = 200;
   coarsen(radius, segment, footprint, result.stem);
-  const double kept = kept_share(p, level, footprint);
+  const double kept = shares.of(level);
   result.stem.is_ribbon = result.stem.is_final && (level > 0 || 2 * radius < narrowest_ribbon * footprint);
-  result.child_share = kept_share(p, level + 1, footprint) / kept;
+  result.child_share = shares.of(level + 1) / kept;
   if (bears_leaves) result.leaf_faces = result.are_cards ? 0 : degradation::leaf_faces(r, d);
   if (level == 0) return result;
   // The share of the paper, and at least as many as are about half a pixel wide when they stand for all

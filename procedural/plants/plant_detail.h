@@ -10,6 +10,8 @@
 
 #include "procedural/plants/stem_mesh.h"
 
+#include <vector>
+
 namespace meristem {
 
 // The paper's fractions. `s` is half the quality in leaf, the whole in winter; `d` is 200, in spring 100.
@@ -34,13 +36,28 @@ struct PlantDetail {
   bool are_cards = false;                  // whether each stands for several: one face, not refined any further
 };
 
+// Of the parts of a level (`p.levels`: of the leaves) the share that is there at all.
+double kept_share(const WeberPennParameters& p, int level, double footprint);
+
+// The same of all levels, for one footprint; what is asked of many stems.
+class KeptShares {
+ public:
+  KeptShares(const WeberPennParameters& p, double footprint);
+  double footprint() const { return footprint_; }
+  double of(int level) const { return shares_[std::size_t(level)]; }
+
+ private:
+  double footprint_;
+  std::vector<double> shares_;
+};
+
 // Of a stem of that level and base radius, with segments of that length, where a pixel is `footprint` metres wide; 0:
 // everything in full.
 PlantDetail plant_detail(const WeberPennParameters& p, int level, double radius, double segment, double footprint,
                          bool is_smoothed);
-
-// Of the parts of a level (`p.levels`: of the leaves) the share that is there at all.
-double kept_share(const WeberPennParameters& p, int level, double footprint);
+// At the footprint of these.
+PlantDetail plant_detail(const WeberPennParameters& p, int level, double radius, double segment,
+                         const KeptShares& shares, bool is_smoothed);
 
 // The longest that a leaf becomes, and the furthest that one which is drawn so reaches from its foot.
 double longest_leaf(const WeberPennParameters& p);

@@ -132,7 +132,8 @@ class WeberPennStep::Derivation {
   }
 
   PlantDetail detail_of(int level, double radius, double segment, double footprint) const {
-    return plant_detail(p_, level, radius, segment, footprint, step_.plant_->is_smoothed);
+    if (shares_.footprint() != footprint) shares_ = KeptShares(p_, footprint);
+    return plant_detail(p_, level, radius, segment, shares_, step_.plant_->is_smoothed);
   }
 
   // From the root of a stem to the furthest of anything on it, whatever its key.
@@ -182,6 +183,7 @@ class WeberPennStep::Derivation {
   const WeberPennParameters& p_;
   const CellMesh& in_;
   const int last_level_;
+  mutable KeptShares shares_{p_, 0};  // of where it was asked last
 };
 
 // One run of apply().

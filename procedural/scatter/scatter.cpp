@@ -1,5 +1,6 @@
 #include "procedural/scatter/scatter.h"
 
+#include "geometry/base/parallel.h"
 #include "geometry/cells/expansion.h"
 #include "geometry/cells/look_ahead.h"
 #include "geometry/cells/placed_footprint.h"
@@ -221,17 +222,17 @@ Bounds3f Scatter::reach_of(const Bounds3f& b, double scale) const {
 }
 
 const std::vector<Bounds3f>& Scatter::variant_bounds(const SeenAs& seen_as) const {
-  std::vector<Bounds3f>& bounds = variant_bounds_[seen_as];
-  if (!bounds.empty()) return bounds;
+  if (const auto known = variant_bounds_.find(seen_as); known != variant_bounds_.end()) return known->second;
   const ConstantFootprint footprint(size_of_step(seen_as.step), seen_as.fades);
-  for (const Choice& c : choices_)
-    for (int i = 0; i < settings_.variants; ++i) {
-      Placement p;
-      p.individual = variant(i);
-      bounds.push_back(
-          bounds_of_individual(*c.part, &footprint, placed_individual(seen_as.individual, p), c.part->typical));
-    }
-  return bounds;
+  std::vector<Bounds3f> bounds(choices_.size() * std::size_t(settings_.variants));
+  // Others wait for them meanwhile: they may help
+  parallel_for(bounds.size(), [&](std::size_t kind) {
+    const Part& part = *choices_[kind / std::size_t(settings_.variants)].part;
+    Placement p;
+    p.individual = variant(int(kind % std::size_t(settings_.variants)));
+    bounds[kind] = bounds_of_individual(part, &footprint, placed_individual(seen_as.individual, p), part.typical);
+  });
+  return variant_bounds_[seen_as] = std::move(bounds);
 }
 
 std::shared_ptr<const PlacedReach> Scatter::reach_on(const Bounds3f& ground, const Footprint* footprint,

@@ -95,6 +95,28 @@ TEST(PlantDetail, StemsAreLeftOutWhereLeavesAre) {
     }
 }
 
+// What is asked of many stems at once is what is asked of each.
+TEST(PlantDetail, SharesOfAFootprintServeAllStems) {
+  for (const PlantSpecies& species : plant_species()) {
+    const WeberPennParameters& p = species.parameters;
+    for (const double footprint : {0.0, 0.002, 0.05, 1.0}) {
+      const KeptShares shares(p, footprint);
+      EXPECT_EQ(shares.footprint(), footprint);
+      EXPECT_EQ(shares.of(0), 1);
+      for (int level = 0; level < p.levels; ++level) {
+        EXPECT_EQ(shares.of(level + 1), kept_share(p, level + 1, footprint));
+        const PlantDetail one = plant_detail(p, level, 0.1, 0.5, footprint, true),
+                          of_many = plant_detail(p, level, 0.1, 0.5, shares, true);
+        EXPECT_EQ(one.child_share, of_many.child_share);
+        EXPECT_EQ(one.stem_share, of_many.stem_share);
+        EXPECT_EQ(one.leaf_length, of_many.leaf_length);
+        EXPECT_EQ(one.stem.sides, of_many.stem.sides);
+      }
+    }
+    EXPECT_LT(KeptShares(p, 1).of(p.levels), KeptShares(p, 0.002).of(p.levels)) << species.name;
+  }
+}
+
 std::uint64_t final_faces(const Model& model, CellMesh cell, int level) {
   const Expansion e = expand(model, std::move(cell), level);
   if (e.leaf) return e.leaf->face_count;
