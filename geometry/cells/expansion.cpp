@@ -197,12 +197,7 @@ std::vector<std::uint32_t> all_faces(const Mesh& mesh) {
 
 }  // namespace
 
-Bounds3f model_bounds(const Model& model) {
-  const Mesh& mesh = model.base().mesh;
-  Extent e = region_extent(model, mesh, Adjacency(mesh), all_faces(mesh), 0);
-  e.footprint = INFINITY;
-  return round_outwards(final_bounds(model, e, 0).inflated(Vec3d(PositionLattice::margin(model))));
-}
+Bounds3f model_bounds(const Model& model) { return model.bounds(); }
 
 Bounds3f model_bounds(const Model& model, const Footprint* footprint, Key individual, int derived_levels) {
   const CellMesh cell = root_cell(model, footprint, individual);

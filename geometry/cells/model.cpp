@@ -1,5 +1,6 @@
 #include "geometry/cells/model.h"
 
+#include "geometry/cells/position_lattice.h"
 #include "geometry/cells/region_extent.h"
 
 #include <fmt/format.h>
@@ -34,6 +35,7 @@ double reach_of(const Bounds3d& b) { return std::max(max_component(abs(b.lower))
 
 Model::Model(std::string name, Mesh base, std::vector<std::unique_ptr<Step>> steps, CellSettings settings)
     : name_(std::move(name)), steps_(std::move(steps)), settings_(settings), halo_rings_(find_halo_rings(steps_)) {
+  for (int level = 0; level <= levels(); ++level) faces_of_quad_.push_back(count_faces(4, false, level));
   std::vector<std::uint32_t> faces(base.face_count());
   std::iota(faces.begin(), faces.end(), 0u);
   base_extent_ = region_extent(*this, base, Adjacency(base), faces, 0);
@@ -58,6 +60,18 @@ Model::Model(std::string name, Mesh base, std::vector<std::unique_ptr<Step>> ste
   base_.rings.assign(base.face_count(), 0);
   base_.mesh = std::move(base);
   find_remaining_offsets();
+}
+
+const Bounds3f& Model::bounds() const {
+  std::call_once(has_bounds_, [this] {
+    const Mesh& mesh = base_.mesh;
+    std::vector<std::uint32_t> faces(mesh.face_count());
+    std::iota(faces.begin(), faces.end(), 0u);
+    Extent e = region_extent(*this, mesh, Adjacency(mesh), faces, 0);
+    e.footprint = INFINITY;
+    bounds_ = round_outwards(final_bounds(*this, e, 0).inflated(Vec3d(PositionLattice::margin(*this))));
+  });
+  return bounds_;
 }
 
 // A refinement leaves half the scale; where displacement stretches the faces, up to sqrt(2) of that.
@@ -156,9 +170,13 @@ int Model::growing_step(std::int32_t symbol, int level) const {
 }
 
 double Model::estimated_faces(std::uint32_t corners, std::int32_t symbol, int level) const {
+  const bool may_grow = grows_later(symbol, level);
+  return corners == 4 && !may_grow ? faces_of_quad_[std::size_t(level)] : count_faces(corners, may_grow, level);
+}
+
+double Model::count_faces(std::uint32_t corners, bool may_grow, int level) const {
   double faces = 1;
   std::uint32_t n = corners;
-  bool may_grow = grows_later(symbol, level);
   for (int i = level; i < levels() && faces < 1e18; ++i) {
     if (!step(i).refines() && !may_grow) continue;
     faces *= step(i).max_children(n);

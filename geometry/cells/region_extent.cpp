@@ -7,7 +7,6 @@
 #include "geometry/mesh/refine.h"
 
 #include <algorithm>
-#include <unordered_map>
 
 namespace meristem {
 
@@ -53,9 +52,8 @@ double face_edge(const Mesh& mesh, std::uint32_t f) {
   return longest;
 }
 
-void extend(Interval& interval, double x, bool first) {
-  const float down = std::nextafterf(float(x), -INFINITY), up = std::nextafterf(float(x), INFINITY);
-  interval = first ? Interval{down, up} : Interval{std::min(interval.lower, down), std::max(interval.upper, up)};
+Interval outwards(double lower, double upper) {
+  return {std::nextafterf(float(lower), -INFINITY), std::nextafterf(float(upper), INFINITY)};
 }
 
 class ExtentBuilder {
@@ -81,8 +79,8 @@ class ExtentBuilder {
     for (std::uint32_t c = mesh_.face_starts[f]; c < mesh_.face_starts[f + 1]; ++c) {
       const std::uint32_t v = mesh_.corner_vertices[c];
       const Vec2d uv = !mesh_.uv.empty() ? mesh_.uv[v] : !mesh_.corner_uv.empty() ? mesh_.corner_uv[c] : Vec2d{};
-      extend(extent_.u, uv.x, first_uv_);
-      extend(extent_.v, uv.y, first_uv_);
+      lower_uv_ = first_uv_ ? uv : Vec2d{std::min(lower_uv_.x, uv.x), std::min(lower_uv_.y, uv.y)};
+      upper_uv_ = first_uv_ ? uv : Vec2d{std::max(upper_uv_.x, uv.x), std::max(upper_uv_.y, uv.y)};
       first_uv_ = false;
       if (!has_seams(mesh_)) continue;  // else what grows on the face sees its own
       extend(extent_.u, mesh_.corner_uv[c].x, false);
@@ -92,12 +90,19 @@ class ExtentBuilder {
 
   // Vertices of the owned faces and ring 1: only these are smoothed for the region's sake.
   void add_smoothed_face(std::uint32_t f) {
-    for (std::uint32_t v : mesh_.corners(f))
-      extent_.contraction = std::max(extent_.contraction, smoothing_contraction(adjacency_, v));
+    for (std::uint32_t v : mesh_.corners(f)) add_smoothed_vertex(v);
+  }
+  void add_smoothed_vertices_of_all() {
+    for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v)
+      if (!adjacency_.faces_of_vertex(v).empty()) add_smoothed_vertex(v);
   }
 
   // Once all faces are added. `scale_faces`: those given to add_scale_face().
   Extent take(std::span<const std::uint32_t> scale_faces) {
+    if (!first_uv_) {
+      extent_.u = outwards(lower_uv_.x, upper_uv_.x);
+      extent_.v = outwards(lower_uv_.y, upper_uv_.y);
+    }
     extent_.edge_sum = longest_edge_sum(scale_faces);
     extent_.next_contraction = std::max(extent_.next_contraction, extent_.contraction);
     if (has_other_faces_) extent_.contraction = worst_first_contraction;
@@ -105,17 +110,22 @@ class ExtentBuilder {
   }
 
  private:
+  void add_smoothed_vertex(std::uint32_t v) {
+    extent_.contraction = std::max(extent_.contraction, smoothing_contraction(adjacency_, v));
+  }
+
   // Sorts the edges of quads into two directions by walking from face to face (opposite edges of a face share one), and
   // adds the longest of each; twice the longest edge if a face is no quad or the walk contradicts itself around an
   // irregular vertex.
   double longest_edge_sum(std::span<const std::uint32_t> faces) const {
     if (has_other_faces_) return 2 * extent_.edge;
-    std::unordered_map<std::uint32_t, int> turn;  // of every face: the direction of its edges 0 and 2
-    for (std::uint32_t f : faces) turn.emplace(f, -1);
+    constexpr std::int8_t outside = -2, unknown = -1;
+    std::vector<std::int8_t> turn(mesh_.face_count(), outside);  // of every face: the direction of its edges 0 and 2
+    for (std::uint32_t f : faces) turn[f] = unknown;
     double longest[2] = {0, 0};
     std::vector<std::uint32_t> walk;
     for (std::uint32_t start : faces) {
-      if (turn[start] < 0) {
+      if (turn[start] == unknown) {
         turn[start] = 0;
         walk.push_back(start);
       }
@@ -131,13 +141,12 @@ class ExtentBuilder {
           longest[direction] = std::max(longest[direction],
                                         length(mesh_.positions[edge.vertices[0]] - mesh_.positions[edge.vertices[1]]));
           const std::uint32_t g = edge.faces[0] == f ? edge.faces[1] : edge.faces[0];
-          const auto other = turn.find(g);
-          if (other == turn.end()) continue;
-          const int other_turn = (direction + side_of(g, edge)) % 2;
-          if (other->second < 0) {
-            other->second = other_turn;
+          if (g == Adjacency::none || turn[g] == outside) continue;
+          const auto other_turn = std::int8_t((direction + side_of(g, edge)) % 2);
+          if (turn[g] == unknown) {
+            turn[g] = other_turn;
             walk.push_back(g);
-          } else if (other->second != other_turn) {
+          } else if (turn[g] != other_turn) {
             return 2 * extent_.edge;
           }
         }
@@ -180,6 +189,7 @@ class ExtentBuilder {
   const Adjacency& adjacency_;
   const int level_;
   Extent extent_;
+  Vec2d lower_uv_, upper_uv_;
   bool first_uv_ = true, has_other_faces_ = false;
 };
 
@@ -191,8 +201,12 @@ Extent region_extent(const Model& model, const Mesh& mesh, const Adjacency& adja
   ExtentBuilder builder(model, mesh, adjacency, level);
   for (std::uint32_t f : faces) builder.add_control_face(f);
   for (std::uint32_t f : neighborhood.ring1) builder.add_control_face(f);
-  for (std::uint32_t f : faces) builder.add_smoothed_face(f);
-  for (std::uint32_t f : neighborhood.ring1) builder.add_smoothed_face(f);
+  if (faces.size() == mesh.face_count()) {
+    builder.add_smoothed_vertices_of_all();
+  } else {
+    for (std::uint32_t f : faces) builder.add_smoothed_face(f);
+    for (std::uint32_t f : neighborhood.ring1) builder.add_smoothed_face(f);
+  }
   std::vector<std::uint32_t> all(faces.begin(), faces.end());
   all.insert(all.end(), neighborhood.ring1.begin(), neighborhood.ring1.end());
   all.insert(all.end(), neighborhood.ring2.begin(), neighborhood.ring2.end());
