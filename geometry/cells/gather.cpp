@@ -1,7 +1,9 @@
 #include "geometry/cells/gather.h"
 
 #include "geometry/base/check.h"
+#include "geometry/base/scratch.h"
 #include "geometry/cells/extract.h"
+#include "geometry/cells/face_blocks.h"
 #include "geometry/cells/level_of_detail.h"
 #include "geometry/cells/look_ahead.h"
 #include "geometry/cells/numbering.h"
@@ -9,9 +11,7 @@
 #include "geometry/mesh/adjacency.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <unordered_map>
 #include <utility>
 
@@ -27,18 +27,20 @@ class VertexWalk {
   VertexWalk(const Mesh& mesh, const VertexFaces& faces_around) : mesh_(mesh), faces_around_(faces_around) {}
 
   // Calls visit(face) for the other faces around corner k of face f: counter-clockwise from f, and if a boundary stops
-  // the walk, clockwise from f.
+  // the walk, clockwise from f. Returns how many.
   template <class Visit>
-  void around(std::uint32_t f, std::uint32_t k, Visit visit) const {
+  std::uint32_t around(std::uint32_t f, std::uint32_t k, Visit visit) const {
     const std::uint32_t v = mesh_.corner_vertices[mesh_.face_starts[f] + k];
+    std::uint32_t visited = 0;
     for (std::uint32_t g = next(f, v, true); g != f; g = next(g, v, true)) {
       if (g != none) {
-        visit(g);
+        visit(g), ++visited;
         continue;
       }
-      for (std::uint32_t h = next(f, v, false); h != none; h = next(h, v, false)) visit(h);
-      return;
+      for (std::uint32_t h = next(f, v, false); h != none; h = next(h, v, false)) visit(h), ++visited;
+      break;
     }
+    return visited;
   }
 
  private:
@@ -84,19 +86,11 @@ class Groups {
   const std::uint32_t most_;
 };
 
-// Faces in blocks: by cubes of so many edges of the first face, which on an even ground hold the same square of faces
-// each, so that cells of them have one shape.
-std::vector<std::pair<std::array<std::int64_t, 3>, std::uint32_t>> faces_by_block(const Mesh& mesh, std::uint32_t faces,
-                                                                                  double edges) {
-  const auto corners = mesh.corners(0);
-  const double edge = length(mesh.positions[corners[1]] - mesh.positions[corners[0]]);
-  const double side = std::max(edge * edges, std::numeric_limits<double>::min());
-  std::vector<std::pair<std::array<std::int64_t, 3>, std::uint32_t>> result;
-  for (std::uint32_t f = 0; f < faces; ++f) {
-    const Vec3d at = (face_frame(mesh, f).origin - mesh.positions[corners[0]]) * (1 / side);
-    const auto step = [](double x) { return std::int64_t(std::floor(std::clamp(x, -1e15, 1e15))); };
-    result.push_back({{step(at.x), step(at.y), step(at.z)}, f});
-  }
+std::vector<std::pair<FaceBlock, std::uint32_t>> faces_by_block(const Mesh& mesh, std::uint32_t faces, double edges) {
+  const FaceBlocks blocks(mesh, edges);
+  std::vector<std::pair<FaceBlock, std::uint32_t>> result;
+  result.reserve(faces);
+  for (std::uint32_t f = 0; f < faces; ++f) result.push_back({blocks.of(f), f});
   std::ranges::sort(result);
   return result;
 }
@@ -119,7 +113,10 @@ class ChildMaker {
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> buds;  // by the smallest face of the group
     for (std::uint32_t f = 0; f < inner_.cell.owned_faces; ++f)
       if (bud_of[f] != none) buds[bud_of[f]].push_back(f);
-    for (std::uint32_t f = 0; f < inner_.cell.owned_faces; ++f) {
+    FaceBlock block{};
+    for (const auto& [next, f] : faces_in_order()) {
+      if (next != block) close_run();  // the next one may lie anywhere
+      block = next;
       if (bud_of[f] == none)
         add_plain(f);
       else if (buds[bud_of[f]].front() == f) {
@@ -138,13 +135,28 @@ class ChildMaker {
     double all = 0;
     for (std::uint32_t f = 0; f < faces; ++f) all += wanted_faces(model_, inner_.cell, f, inner_.level);
     const double edges = std::max(1.0, std::round(std::sqrt(child_faces_ * faces / all)));
-    std::array<std::int64_t, 3> block{};
+    FaceBlock block{};
     for (const auto& [next, face] : faces_by_block(mesh_, faces, edges)) {
       if (next != block) close_run();
       block = next;
       add_plain(face);
     }
     close_run();
+  }
+
+  // A wide base lists its faces row by row: runs of them would be strips that have several times as much halo as faces
+  // of their own. So square by square, unless such squares hold few. What is refined lies in squares already.
+  std::vector<std::pair<FaceBlock, std::uint32_t>> faces_in_order() const {
+    if (inner_.level == 0 && bud_share_ == 0) {
+      constexpr double edges = 22, few = edges * edges / 4;
+      auto by_block = faces_by_block(mesh_, inner_.cell.owned_faces, edges);
+      double blocks = 1;
+      for (std::size_t i = 1; i < by_block.size(); ++i) blocks += by_block[i].first != by_block[i - 1].first;
+      if (double(by_block.size()) >= few * blocks) return by_block;
+    }
+    std::vector<std::pair<FaceBlock, std::uint32_t>> order(inner_.cell.owned_faces);
+    for (std::uint32_t f = 0; f < order.size(); ++f) order[f] = {{}, f};
+    return order;
   }
 
   bool is_bud(std::uint32_t f) const {
@@ -293,14 +305,19 @@ CellMesh gather_cell(const Mesh& mesh, const VertexFaces& faces_around, std::spa
   cell.owned_faces = std::uint32_t(owned.size());
   cell.rings.assign(owned.size(), 0);
   std::size_t begin = 0;
+  Scratch<std::uint8_t> is_done(mesh.vertex_count(), 0);  // all faces around the vertex are in the cell
   for (int ring = 1; ring <= rings; ++ring) {
     const std::size_t end = faces.indices().size();
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t f = faces.indices()[i];
-      for (std::uint32_t k = 0; k < mesh.corner_count(f); ++k)
-        walk.around(f, k, [&](std::uint32_t g) {
+      for (std::uint32_t k = 0; k < mesh.corner_count(f); ++k) {
+        const std::uint32_t v = mesh.corner_vertices[mesh.face_starts[f] + k];
+        if (is_done[v]) continue;
+        const std::uint32_t visited = walk.around(f, k, [&](std::uint32_t g) {
           if (faces.add(g).is_new) cell.rings.push_back(std::uint8_t(ring));
         });
+        is_done[v] = visited + 1 == faces_around.of(v).size();
+      }
     }
     begin = end;
   }

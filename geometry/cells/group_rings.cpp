@@ -28,12 +28,12 @@ std::vector<double> vertex_contractions(const Mesh& mesh) {
   return result;
 }
 
-double longest_edge(const Mesh& mesh, std::uint32_t f) {
+double longest_edge_squared(const Mesh& mesh, std::uint32_t f) {
   const auto c = mesh.corners(f);
   double longest = length_squared(mesh.positions[c.back()] - mesh.positions[c[0]]);
   for (std::size_t i = 1; i < c.size(); ++i)
     longest = std::max(longest, length_squared(mesh.positions[c[i]] - mesh.positions[c[i - 1]]));
-  return std::sqrt(longest);
+  return longest;
 }
 
 // Only faces at vertices where groups meet bring in anything that is not the group's own.
@@ -41,7 +41,8 @@ class RingBuilder {
  public:
   RingBuilder(const Mesh& mesh, std::span<const std::uint32_t> group_of, std::size_t group_count)
       : mesh_(mesh),
-        uv_(vertex_uv(mesh)),
+        means_(mesh.uv.empty() ? vertex_uv(mesh) : std::vector<Vec2d>()),
+        uv_(mesh.uv.empty() ? means_ : mesh.uv),
         contraction_(vertex_contractions(mesh)),
         groups_(mesh.vertex_count(), no_group),
         is_border_(mesh.vertex_count()),
@@ -51,6 +52,7 @@ class RingBuilder {
     find_border(group_of);
     add_own(group_of);
     add_around_border(group_of);
+    for (Ring2& ring : rings_.ring2) ring.edge = std::sqrt(ring.edge);
   }
 
   GroupRings take() { return std::move(rings_); }
@@ -58,28 +60,27 @@ class RingBuilder {
  private:
   static constexpr std::uint32_t no_group = ~0u, halo = ~1u, no_place = ~0u;
 
-  Ring1 vertex_ring1(std::uint32_t v) const {
-    const Bounds3d box{mesh_.positions[v], mesh_.positions[v]};
-    return {box, box, contraction_[v]};
-  }
   // Where one step of Catmull-Clark may put what becomes of a face around its corner i: refined vertices are means of
   // old ones, of the middles of edges and of faces, with weights that are not negative where three faces or more lie
-  // around the vertex; new ones on edges are means of the middles of edge and faces.
-  Bounds3d refined_corner(std::span<const std::uint32_t> corners, std::size_t i, const Bounds3d& face) const {
+  // around the vertex; new ones on edges are means of the middles of edge and faces. The vertex itself is added for all
+  // of its faces at once, and of the two edges there one: the other is that of the next face of the closed fan.
+  void add_refined_corner(std::span<const std::uint32_t> corners, std::size_t i, const Bounds3d& face, Vec3d middle,
+                          Bounds3d& box) const {
     const std::uint32_t v = corners[i];
-    if (!(contraction_[v] < worst_contraction)) return face;
-    const std::size_t n = corners.size();
-    Vec3d middle;
-    for (const std::uint32_t corner : corners) middle += mesh_.positions[corner];
-    const Vec3d p = mesh_.positions[v];
-    Bounds3d box{p, p};
-    box.extend(middle * (1.0 / double(n)));
-    box.extend((p + mesh_.positions[corners[(i + 1) % n]]) * 0.5);
-    box.extend((p + mesh_.positions[corners[(i + n - 1) % n]]) * 0.5);
-    return box;
+    if (!(contraction_[v] < worst_contraction)) return box.extend(face);
+    box.extend(middle);
+    box.extend((mesh_.positions[v] + mesh_.positions[corners[i + 1 < corners.size() ? i + 1 : 0]]) * 0.5);
   }
 
-  Ring2 vertex_ring2(std::uint32_t v) const { return {0, uv_[v], uv_[v]}; }
+  void add_vertex(std::uint32_t v, Ring1& ring) const {
+    ring.box.extend(mesh_.positions[v]);
+    ring.contraction = std::max(ring.contraction, contraction_[v]);
+  }
+  void add_vertex(std::uint32_t v, Ring2& ring) const {
+    const Vec2d uv = uv_[v];
+    ring.lower_uv = {std::min(ring.lower_uv.x, uv.x), std::min(ring.lower_uv.y, uv.y)};
+    ring.upper_uv = {std::max(ring.upper_uv.x, uv.x), std::max(ring.upper_uv.y, uv.y)};
+  }
 
   // Vertices that faces of several groups, or a group's and the halo's, share; and places for all vertices of their
   // faces.
@@ -104,12 +105,13 @@ class RingBuilder {
   void add_own(std::span<const std::uint32_t> group_of) {
     for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v) {
       if (is_border_[v] || groups_[v] >= rings_.ring1.size()) continue;
-      rings_.ring1[groups_[v]].join(vertex_ring1(v));
-      rings_.ring2[groups_[v]].join(vertex_ring2(v));
+      add_vertex(v, rings_.ring1[groups_[v]]);
+      rings_.ring1[groups_[v]].refined_box.extend(mesh_.positions[v]);
+      add_vertex(v, rings_.ring2[groups_[v]]);
     }
     edges_.resize(mesh_.face_count());
     for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
-      edges_[f] = longest_edge(mesh_, f);
+      edges_[f] = longest_edge_squared(mesh_, f);
       if (f < group_of.size()) rings_.ring2[group_of[f]].edge = std::max(rings_.ring2[group_of[f]].edge, edges_[f]);
     }
   }
@@ -118,20 +120,29 @@ class RingBuilder {
     // All faces around a vertex; of vertices with places
     std::vector<Ring1> around1(places_);
     std::vector<Ring2> around2(places_);
+    for (std::uint32_t v = 0; v < mesh_.vertex_count(); ++v)
+      if (is_border_[v]) around1[place_[v]].refined_box.extend(mesh_.positions[v]);
     for (std::uint32_t f = 0; f < mesh_.face_count(); ++f) {
       const auto corners = mesh_.corners(f);
       if (std::ranges::all_of(corners, [&](std::uint32_t v) { return place_[v] == no_place; })) continue;
       Ring1 face1;
       Ring2 face2{.edge = edges_[f]};
+      Vec3d middle;
       for (std::uint32_t v : corners) {
-        face1.join(vertex_ring1(v));
-        face2.join(vertex_ring2(v));
+        add_vertex(v, face1);
+        add_vertex(v, face2);
+        middle += mesh_.positions[v];
       }
+      middle = middle * (1.0 / double(corners.size()));
       for (std::size_t i = 0; i < corners.size(); ++i) {
         const std::uint32_t v = corners[i];
         if (place_[v] == no_place) continue;
-        around1[place_[v]].join({face1.box, refined_corner(corners, i, face1.box), face1.contraction});
         around2[place_[v]].join(face2);
+        if (!is_border_[v]) continue;  // of others the second ring alone is asked for
+        Ring1& around = around1[place_[v]];
+        around.box.extend(face1.box);
+        around.contraction = std::max(around.contraction, face1.contraction);
+        add_refined_corner(corners, i, face1.box, middle, around.refined_box);
       }
     }
     // And the ring around them; of the vertices at the border
@@ -153,9 +164,10 @@ class RingBuilder {
 
   GroupRings rings_;
   const Mesh& mesh_;
-  const std::vector<Vec2d> uv_;
+  const std::vector<Vec2d> means_;  // of the u, v of corners, if vertices have none
+  const std::vector<Vec2d>& uv_;
   const std::vector<double> contraction_;
-  std::vector<double> edges_;          // of faces: the longest
+  std::vector<double> edges_;          // of faces: the square of the longest, as in ring2 until the end
   std::vector<std::uint32_t> groups_;  // of vertices; at the border that of one of their faces
   std::vector<std::uint8_t> is_border_;
   std::vector<std::uint32_t> border_faces_;  // with a vertex at the border

@@ -1,6 +1,7 @@
 #include "geometry/cells/look_ahead.h"
 
 #include "geometry/base/parallel.h"
+#include "geometry/cells/face_blocks.h"
 #include "geometry/cells/fading.h"
 #include "geometry/cells/group_rings.h"
 #include "geometry/cells/level_of_detail.h"
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace meristem {
 
@@ -47,6 +49,7 @@ class Lookahead {
   // Until only refinements follow or nothing finer is wanted; whether that was reached. Growth moves no vertex, so that
   // it does not matter when before a refinement they freeze.
   bool grow() {
+    has_grown_ = level_ < grown_level_;
     while (level_ < grown_level_ && ahead_.owned_faces < most_faces_) {
       if (model_.step(level_).refines()) {
         is_final_ = freeze_vertices(model_, ahead_, level_);
@@ -69,16 +72,19 @@ class Lookahead {
   // Refines a grown mesh part by part: threads that wait for it may take one, and what comes of a part is still in the
   // processor's cache when it is bounded.
   void refine_and_bound(std::span<Outlook> groups) {
-    std::vector<std::uint32_t> sizes(groups.size()), starts{0};
-    for (std::uint32_t f = 0; f < ahead_.owned_faces; ++f) ++sizes[ahead_.labels[f]];
-    for (std::uint32_t end = 0; end < groups.size(); starts.push_back(end))
-      for (std::uint32_t faces = 0; end < groups.size() && faces < part_faces; ++end) faces += sizes[end];
-    if (starts.size() == 2) return refine_and_bound_together(groups);
+    const std::vector<std::vector<std::uint32_t>> parts = parts_of(groups.size());
+    if (parts.size() == 1) return refine_and_bound_together(groups);
+    std::vector<std::uint32_t> part_of(groups.size()), place(groups.size());
+    for (std::uint32_t i = 0; i < parts.size(); ++i)
+      for (std::uint32_t k = 0; k < parts[i].size(); ++k) part_of[parts[i][k]] = i, place[parts[i][k]] = k;
+    std::vector<std::vector<std::uint32_t>> faces(parts.size());
+    for (std::uint32_t f = 0; f < ahead_.owned_faces; ++f) faces[part_of[ahead_.labels[f]]].push_back(f);
     const VertexFaces faces_around(ahead_.mesh);
-    const std::vector<std::vector<std::uint32_t>> faces = faces_of_parts(starts);
-    parallel_for(faces.size(), [&](std::size_t i) {
-      part(faces[i], starts[i], faces_around)
-          .refine_and_bound_together(groups.subspan(starts[i], starts[i + 1] - starts[i]));
+    parallel_for(parts.size(), [&](std::size_t i) {
+      std::vector<Outlook> own(parts[i].size());
+      for (std::size_t k = 0; k < own.size(); ++k) own[k] = groups[parts[i][k]];
+      part(faces[i], place, faces_around).refine_and_bound_together(own);
+      for (std::size_t k = 0; k < own.size(); ++k) groups[parts[i][k]] = own[k];
     });
   }
 
@@ -89,22 +95,55 @@ class Lookahead {
         level_(whole.level_),
         grown_level_(whole.grown_level_),
         most_faces_(whole.most_faces_ * ahead_.owned_faces / whole.ahead_.owned_faces),
+        has_grown_(whole.has_grown_),
         is_final_(whole.is_final_) {}
 
-  // A part holds the groups from one of `starts` up to the next.
-  std::vector<std::vector<std::uint32_t>> faces_of_parts(const std::vector<std::uint32_t>& starts) const {
-    std::vector<std::uint32_t> part_of;  // by group
-    for (std::uint32_t part = 0; part + 1 < starts.size(); ++part) part_of.resize(starts[part + 1], part);
-    std::vector<std::vector<std::uint32_t>> faces(starts.size() - 1);
-    for (std::uint32_t f = 0; f < ahead_.owned_faces; ++f) faces[part_of[ahead_.labels[f]]].push_back(f);
-    return faces;
+  // The groups of each part: such as follow each other, or, on a mesh on which nothing has grown, lie in one square of
+  // its faces. In rows across wide ground a part would have several times as much halo as faces of its own.
+  std::vector<std::vector<std::uint32_t>> parts_of(std::size_t group_count) const {
+    std::vector<std::uint32_t> sizes(group_count, 0), firsts(group_count, 0);
+    for (std::uint32_t f = ahead_.owned_faces; f-- > 0;) {
+      ++sizes[ahead_.labels[f]];
+      firsts[ahead_.labels[f]] = f;
+    }
+    std::vector<std::pair<FaceBlock, std::uint32_t>> order(group_count);
+    for (std::uint32_t g = 0; g < group_count; ++g) order[g] = {{}, g};
+    if (!has_grown_ && ahead_.owned_faces > part_faces) sort_by_square(firsts, order);
+    std::vector<std::vector<std::uint32_t>> parts(1);
+    std::uint32_t faces = 0;
+    FaceBlock block = order.front().first;
+    for (const auto& [next, group] : order) {
+      if (faces >= part_faces || (next != block && faces >= part_faces / 2)) {
+        parts.emplace_back();
+        faces = 0;
+      }
+      block = next;
+      parts.back().push_back(group);
+      faces += sizes[group];
+    }
+    return parts;
   }
 
-  // With its halo, and groups labelled anew from 0 on.
-  Lookahead part(std::span<const std::uint32_t> faces, std::uint32_t first_group,
+  // Not if squares of so many edges of the first face hold few faces.
+  void sort_by_square(std::span<const std::uint32_t> firsts,
+                      std::vector<std::pair<FaceBlock, std::uint32_t>>& order) const {
+    constexpr double edges = 22;
+    static_assert(edges * edges <= part_faces);
+    const FaceBlocks blocks(ahead_.mesh, edges);
+    auto sorted = order;
+    for (auto& [block, group] : sorted) block = blocks.of(firsts[group]);
+    std::ranges::sort(sorted);
+    std::size_t count = 1;
+    for (std::size_t i = 1; i < sorted.size(); ++i) count += sorted[i].first != sorted[i - 1].first;
+    constexpr std::size_t few = part_faces / 4;
+    if (ahead_.owned_faces >= few * count) order = std::move(sorted);
+  }
+
+  // With its halo, and groups labelled anew by their places in it.
+  Lookahead part(std::span<const std::uint32_t> faces, std::span<const std::uint32_t> place,
                  const VertexFaces& faces_around) const {
     CellMesh part = cell_of_faces(ahead_, faces, model_.halo_rings(level_), faces_around);
-    for (std::uint32_t& label : part.labels) label -= first_group;
+    for (std::uint32_t& label : part.labels) label = place[label];
     return {*this, std::move(part)};
   }
 
@@ -211,6 +250,7 @@ class Lookahead {
   int level_;
   const int grown_level_;
   const double most_faces_ = 1 << 18;  // it is carried no further where it has more
+  bool has_grown_ = false;
   bool is_final_ = false;
 };
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace meristem {
 
@@ -48,13 +49,16 @@ CellMesh cell_of_faces(const CellMesh& cell, std::span<const std::uint32_t> owne
   for (std::uint32_t f : owned) reached.add(f);
   std::vector<std::uint32_t> kept(owned.begin(), owned.end());
   std::vector<std::uint8_t> rings(owned.size(), 0);
+  Scratch<std::uint8_t> is_done(cell.mesh.vertex_count(), 0);  // all faces around the vertex are kept
   std::size_t begin = 0;
   for (int ring = 1; ring <= max_ring; ++ring) {
     const std::size_t end = kept.size();
     for (std::size_t i = begin; i < end; ++i)
-      for (std::uint32_t v : cell.mesh.corners(kept[i]))
+      for (std::uint32_t v : cell.mesh.corners(kept[i])) {
+        if (std::exchange(is_done[v], std::uint8_t(1))) continue;
         for (std::uint32_t f : faces_around.of(v))
           if (reached.add(f).is_new) kept.push_back(f);
+      }
     std::sort(kept.begin() + std::ptrdiff_t(end), kept.end());
     rings.resize(kept.size(), std::uint8_t(ring));
     begin = end;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <set>
 
@@ -81,6 +82,66 @@ TEST(Expansion, BoundsContainWhatComesOfAMeshThatIsBoundedInParts) {
     int cells = 0;
     EXPECT_EQ(count_outside(*model, root, 0, model_bounds(*model), cells), 0);
     EXPECT_GT(cells, 100);
+  }
+}
+
+// As BumpyStep, and counts the faces that it is given.
+class CountingStep final : public Step {
+ public:
+  explicit CountingStep(std::atomic<std::uint64_t>& faces) : bumpy_(0.2, 1), faces_(faces) {}
+  std::string name() const override { return bumpy_.name(); }
+  int halo_rings(int rings_after) const override { return bumpy_.halo_rings(rings_after); }
+  std::uint32_t max_children(std::uint32_t corners) const override { return bumpy_.max_children(corners); }
+  bool displaces() const override { return true; }
+  bool refines() const override { return true; }
+  std::optional<RefineOptions> refinement() const override { return bumpy_.refinement(); }
+  void set_quantum(const Quantum& quantum) override { bumpy_.set_quantum(quantum); }
+  void apply(const CellMesh& in, int rings_after, CellMesh& out) const override {
+    faces_ += in.mesh.face_count();
+    bumpy_.apply(in, rings_after, out);
+  }
+  Extent bound(const Extent& e) const override { return bumpy_.bound(e); }
+
+ private:
+  BumpyStep bumpy_;
+  std::atomic<std::uint64_t>& faces_;
+};
+
+// Row by row a part of 512 faces, two rows and a half, would have a halo of six rows.
+TEST(Expansion, WideGroundIsBoundedSquareBySquare) {
+  Mesh base = shapes::bumpy_grid(200);
+  for (Vec3d& p : base.positions) p.y = 0;
+  std::atomic<std::uint64_t> faces = 0;
+  std::vector<std::unique_ptr<Step>> steps;
+  for (int i = 0; i < 4; ++i) steps.push_back(std::make_unique<CountingStep>(faces));
+  const Model model("wide", base, std::move(steps), {.leaf_faces = 256, .inner_faces = 8192});
+  const Expansion e = expand(model, root_cell(model), 0);
+  ASSERT_TRUE(e.inner);
+  EXPECT_EQ(e.inner->level, 0);
+  EXPECT_GE(faces, base.face_count()) << "it was looked ahead";
+  EXPECT_LT(faces, 1.8 * base.face_count());
+  const Expansion child = expand(model, child_cell(model, *e.inner, e.inner->child_count() / 2), 0);
+  ASSERT_TRUE(child.leaf);
+  EXPECT_TRUE(e.inner->child_bounds[e.inner->child_count() / 2].contains(child.leaf->bounds()));
+}
+
+// A run of 128 faces along a row would be 128 wide.
+TEST(Expansion, ChildrenOfAWideBaseAreNoStrips) {
+  Mesh base = shapes::bumpy_grid(200);
+  for (Vec3d& p : base.positions) p.y = 0;
+  const auto model = bumpy_model(base, 2, 0);
+  const Expansion e = expand(*model, root_cell(*model), 0);
+  ASSERT_TRUE(e.inner);
+  EXPECT_EQ(e.inner->level, 0);
+  std::set<std::uint32_t> faces(e.inner->child_faces.begin(), e.inner->child_faces.end());
+  EXPECT_EQ(faces.size(), base.face_count());
+  EXPECT_EQ(e.inner->child_faces.size(), base.face_count());
+  for (std::size_t i = 0; i < e.inner->child_count(); ++i) {
+    Bounds3d box;
+    for (std::uint32_t f : e.inner->faces_of_child(i))
+      for (std::uint32_t v : base.corners(f)) box.extend(base.positions[v]);
+    EXPECT_LE(std::max(box.size().x, box.size().z), 50) << i;
+    EXPECT_LE(e.inner->faces_of_child(i).size(), 128u);
   }
 }
 
