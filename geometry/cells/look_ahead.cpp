@@ -19,8 +19,10 @@ namespace {
 
 // Levels that are left to analysis.
 constexpr int analysed_refinements = 3;
-// Faces of a grown mesh that are refined together.
-constexpr std::uint32_t part_faces = 512;
+// Faces of a mesh that are refined together; of a wide one in squares, which have the less halo the larger they are.
+constexpr std::uint32_t part_faces = 512, square_faces = 2048;
+constexpr double square_edges = 44;
+static_assert(square_edges * square_edges <= square_faces);
 
 // `is_halved`: what comes of the faces is that of a mesh that Catmull-Clark refines next.
 Extent extent_of(const Ring1& ring1, const Ring2& ring2, bool is_halved) {
@@ -49,7 +51,6 @@ class Lookahead {
   // Until only refinements follow or nothing finer is wanted; whether that was reached. Growth moves no vertex, so that
   // it does not matter when before a refinement they freeze.
   bool grow() {
-    has_grown_ = level_ < grown_level_;
     while (level_ < grown_level_ && ahead_.owned_faces < most_faces_) {
       if (model_.step(level_).refines()) {
         is_final_ = freeze_vertices(model_, ahead_, level_);
@@ -95,11 +96,10 @@ class Lookahead {
         level_(whole.level_),
         grown_level_(whole.grown_level_),
         most_faces_(whole.most_faces_ * ahead_.owned_faces / whole.ahead_.owned_faces),
-        has_grown_(whole.has_grown_),
         is_final_(whole.is_final_) {}
 
-  // The groups of each part: such as follow each other, or, on a mesh on which nothing has grown, lie in one square of
-  // its faces. In rows across wide ground a part would have several times as much halo as faces of its own.
+  // The groups of each part: such as follow each other, or, on a wide base, lie in one square of its faces. In rows
+  // across it a part would have several times as much halo as faces of its own; what is refined lies in squares anyway.
   std::vector<std::vector<std::uint32_t>> parts_of(std::size_t group_count) const {
     std::vector<std::uint32_t> sizes(group_count, 0), firsts(group_count, 0);
     for (std::uint32_t f = ahead_.owned_faces; f-- > 0;) {
@@ -108,12 +108,13 @@ class Lookahead {
     }
     std::vector<std::pair<FaceBlock, std::uint32_t>> order(group_count);
     for (std::uint32_t g = 0; g < group_count; ++g) order[g] = {{}, g};
-    if (!has_grown_ && ahead_.owned_faces > part_faces) sort_by_square(firsts, order);
+    const bool is_wide = is_base_ && ahead_.owned_faces > square_faces && sort_by_square(firsts, order);
+    const std::uint32_t most = is_wide ? square_faces : part_faces;
     std::vector<std::vector<std::uint32_t>> parts(1);
     std::uint32_t faces = 0;
     FaceBlock block = order.front().first;
     for (const auto& [next, group] : order) {
-      if (faces >= part_faces || (next != block && faces >= part_faces / 2)) {
+      if (faces >= most || (next != block && faces >= most / 2)) {
         parts.emplace_back();
         faces = 0;
       }
@@ -124,19 +125,19 @@ class Lookahead {
     return parts;
   }
 
-  // Not if squares of so many edges of the first face hold few faces.
-  void sort_by_square(std::span<const std::uint32_t> firsts,
+  // False, and nothing is sorted, if squares of so many edges of the first face hold few faces.
+  bool sort_by_square(std::span<const std::uint32_t> firsts,
                       std::vector<std::pair<FaceBlock, std::uint32_t>>& order) const {
-    constexpr double edges = 22;
-    static_assert(edges * edges <= part_faces);
-    const FaceBlocks blocks(ahead_.mesh, edges);
+    const FaceBlocks blocks(ahead_.mesh, square_edges);
     auto sorted = order;
     for (auto& [block, group] : sorted) block = blocks.of(firsts[group]);
     std::ranges::sort(sorted);
     std::size_t count = 1;
     for (std::size_t i = 1; i < sorted.size(); ++i) count += sorted[i].first != sorted[i - 1].first;
-    constexpr std::size_t few = part_faces / 4;
-    if (ahead_.owned_faces >= few * count) order = std::move(sorted);
+    constexpr std::size_t few = square_faces / 4;
+    if (ahead_.owned_faces < few * count) return false;
+    order = std::move(sorted);
+    return true;
   }
 
   // With its halo, and groups labelled anew by their places in it.
@@ -250,7 +251,7 @@ class Lookahead {
   int level_;
   const int grown_level_;
   const double most_faces_ = 1 << 18;  // it is carried no further where it has more
-  bool has_grown_ = false;
+  const bool is_base_ = level_ == 0 && level_ >= grown_level_;  // nothing has grown or been refined
   bool is_final_ = false;
 };
 
