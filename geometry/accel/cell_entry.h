@@ -19,7 +19,8 @@ class LazyRoot;
 class CellEntry : public CacheEntry {
  public:
   CellEntry(std::unique_ptr<SurfacePatch> patch, Key key);
-  // Of ground several entries share the cell, each with child bounds of its own, as many as it has; else they are empty.
+  // Of ground several entries share the cell, each with bounds of its children of its own; of what else there is these
+  // are empty.
   CellEntry(const LazyRoot& root, std::shared_ptr<const InnerCell> inner, std::vector<Bounds3f> furnished_bounds,
             std::shared_ptr<KnownChildren> known);
   CellEntry(const LazyRoot& root, Grove grove);

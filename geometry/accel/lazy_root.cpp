@@ -239,10 +239,8 @@ std::unique_ptr<CacheEntry> LazyRoot::split_entry(std::shared_ptr<const InnerCel
                                                   std::vector<Bounds3f> child_bounds, Key key, int level) const {
   auto known = roots_.known().of(hash_keys(number_, key, Key(level)), inner->child_count());
   std::unique_ptr<CacheEntry> entry;
-  run_isolated([&] {
-    entry =
-        std::make_unique<CellEntry>(*this, std::move(inner), std::move(child_bounds), std::move(known));
-  });
+  run_isolated(
+      [&] { entry = std::make_unique<CellEntry>(*this, std::move(inner), std::move(child_bounds), std::move(known)); });
   return entry;
 }
 

@@ -1,5 +1,5 @@
-// FaceBlocks: a mesh by cubes of so many edges of its first face, which on an even ground hold the same square of faces each,
-// so that cells of them have one shape.
+// FaceBlocks: a mesh by cubes of so many edges of its first face, which on an even ground hold the same square of faces
+// each, so that cells of them have one shape.
 #pragma once
 
 #include "geometry/mesh/mesh.h"

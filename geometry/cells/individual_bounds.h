@@ -1,5 +1,5 @@
-// IndividualBounds: the bounds of individuals of one part, as they were derived of late (Step::derive, some 0.1 ms for a
-// tree). Who counts on how far trees may reach asks for the same ones as who places them. Any thread.
+// IndividualBounds: the bounds of individuals of one part, as they were derived of late (Step::derive, some 0.3 ms for
+// a tree). Who counts on how far trees may reach asks for the same ones as who places them. Any thread.
 #pragma once
 
 #include "geometry/base/bounds.h"

@@ -250,7 +250,7 @@ class Lookahead {
   CellMesh ahead_;
   int level_;
   const int grown_level_;
-  const double most_faces_ = 1 << 18;  // it is carried no further where it has more
+  const double most_faces_ = 1 << 18;                           // it is carried no further where it has more
   const bool is_base_ = level_ == 0 && level_ >= grown_level_;  // nothing has grown or been refined
   bool is_final_ = false;
 };

@@ -100,8 +100,8 @@ struct Part {
   // Whether it derives nothing, and is larger where it thins than in full, as `typical` holds it;
   // bounds_of_individual() knows how much by the footprint.
   const bool enlarges = false;
-  const Bounds3f typical;  // of one individual, for decisions that need not be exact
-  mutable IndividualBounds individual_bounds;  // if it derives: for bounds_of_individual(). Nothing else of a part changes
+  const Bounds3f typical;                      // of one individual, for decisions that need not be exact
+  mutable IndividualBounds individual_bounds;  // if it derives: for bounds_of_individual()
 };
 
 }  // namespace meristem

@@ -91,12 +91,12 @@ TEST(Ground, IsHeldOnceByAllThatStandsOnIt) {
   Roots roots(ExpandMode::Lazy, 1, cache, counts);
   const auto ground = wide_ground();
   const auto root_on = [&](std::shared_ptr<const Part> stands_there) {
-    const auto part =
-        std::make_shared<const Part>(ground, std::make_shared<const OnCorners>(std::move(stands_there)));
+    const auto part = std::make_shared<const Part>(ground, std::make_shared<const OnCorners>(std::move(stands_there)));
     return std::make_unique<LazyRoot>(RootSource{part, nullptr, 0, nullptr, part->bounds}, roots, cache, counts,
                                       nullptr);
   };
-  const auto low = root_on(small_cube()), high = root_on(std::make_shared<const Part>(bumpy_model(shapes::cube(2), 1, 0)));
+  const auto low = root_on(small_cube()),
+             high = root_on(std::make_shared<const Part>(bumpy_model(shapes::cube(2), 1, 0)));
   CellEntry *const under_low = low->root(), *const under_high = high->root();
   ASSERT_TRUE(under_low && under_low->inner());
   EXPECT_EQ(under_low->inner(), under_high->inner());
