@@ -79,12 +79,8 @@ class ExtentBuilder {
     for (std::uint32_t c = mesh_.face_starts[f]; c < mesh_.face_starts[f + 1]; ++c) {
       const std::uint32_t v = mesh_.corner_vertices[c];
       const Vec2d uv = !mesh_.uv.empty() ? mesh_.uv[v] : !mesh_.corner_uv.empty() ? mesh_.corner_uv[c] : Vec2d{};
-      lower_uv_ = first_uv_ ? uv : Vec2d{std::min(lower_uv_.x, uv.x), std::min(lower_uv_.y, uv.y)};
-      upper_uv_ = first_uv_ ? uv : Vec2d{std::max(upper_uv_.x, uv.x), std::max(upper_uv_.y, uv.y)};
-      first_uv_ = false;
-      if (!has_seams(mesh_)) continue;  // else what grows on the face sees its own
-      extend(extent_.u, mesh_.corner_uv[c].x, false);
-      extend(extent_.v, mesh_.corner_uv[c].y, false);
+      add_uv(uv);
+      if (has_seams(mesh_)) add_uv(mesh_.corner_uv[c]);  // what grows on the face sees its own
     }
   }
 
@@ -110,6 +106,11 @@ class ExtentBuilder {
   }
 
  private:
+  void add_uv(Vec2d uv) {
+    lower_uv_ = first_uv_ ? uv : Vec2d{std::min(lower_uv_.x, uv.x), std::min(lower_uv_.y, uv.y)};
+    upper_uv_ = first_uv_ ? uv : Vec2d{std::max(upper_uv_.x, uv.x), std::max(upper_uv_.y, uv.y)};
+    first_uv_ = false;
+  }
   void add_smoothed_vertex(std::uint32_t v) {
     extent_.contraction = std::max(extent_.contraction, smoothing_contraction(adjacency_, v));
   }

@@ -88,7 +88,7 @@ TEST(Ground, IsExpandedOnceForAllThatStandsOnIt) {
 TEST(Ground, IsHeldOnceByAllThatStandsOnIt) {
   GeometryCache cache(std::numeric_limits<std::size_t>::max());
   ExpansionCounts counts;
-  Roots roots(ExpandMode::Lazy, 1, cache, counts);
+  Roots roots(WorldOptions{}, cache, counts);
   const auto ground = wide_ground();
   const auto root_on = [&](std::shared_ptr<const Part> stands_there) {
     const auto part = std::make_shared<const Part>(ground, std::make_shared<const OnCorners>(std::move(stands_there)));

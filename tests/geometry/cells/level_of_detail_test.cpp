@@ -123,9 +123,10 @@ TEST(LevelOfDetail, FrozenVerticesOfASmoothModelLieOnItsLimitSurface) {
     const auto model = bumpy_model(cage, 7, 0, small_cells);
     std::map<std::array<float, 3>, int> full;
     for_each_shown_triangle(*model, root_cell(*model), 0, [&](Vec3f a, Vec3f, Vec3f) { ++full[{a.x, a.y, a.z}]; });
+    const float most = 2e-6f + float(PositionLattice::margin(*model));
     const auto is_near_limit = [&](Vec3f p) {
-      for (auto it = full.lower_bound({p.x - 2e-6f, -10, -10}); it != full.end() && it->first[0] < p.x + 2e-6f; ++it)
-        if (std::abs(it->first[1] - p.y) < 2e-6f && std::abs(it->first[2] - p.z) < 2e-6f) return true;
+      for (auto it = full.lower_bound({p.x - most, -10, -10}); it != full.end() && it->first[0] < p.x + most; ++it)
+        if (std::abs(it->first[1] - p.y) < most && std::abs(it->first[2] - p.z) < most) return true;
       return false;
     };
     for (const Footprint* footprint : {static_cast<const Footprint*>(&near), static_cast<const Footprint*>(&huge)}) {

@@ -3,6 +3,7 @@
 #include "renderer/film/film_parts.h"
 
 #include "geometry/base/key.h"
+#include "tests/renderer/image/part_values.h"
 
 #include <gtest/gtest.h>
 
@@ -55,7 +56,7 @@ TEST(FilmAovs, AFilmMergedInAnyOrderHasTheBitsOfTheWhole) {
   const auto expected = film_parts(whole, names, false), found = film_parts(c, names, false);
   ASSERT_EQ(found.size(), 1 + aovs.size());
   for (std::size_t i = 0; i < found.size(); ++i)
-    EXPECT_EQ(found[i].image.pixels, expected[i].image.pixels) << found[i].name;
+    EXPECT_EQ(values_of(found[i]), values_of(expected[i])) << found[i].name;
 }
 
 TEST(FilmAovs, MeansAndTheNearest) {

@@ -2,6 +2,7 @@
 
 #include "renderer/film/bytes.h"
 #include "renderer/film/film_parts.h"
+#include "tests/renderer/image/part_values.h"
 #include "tests/renderer/image/scratch_folder.h"
 
 #include <gtest/gtest.h>
@@ -55,7 +56,7 @@ TEST(FilmFile, ReturnsEverything) {
   EXPECT_EQ(read.adaptive.finished, adaptive.finished);
   const auto expected = film_parts(film, info.names, false), found = film_parts(read.film, info.names, false);
   for (std::size_t i = 0; i < found.size(); ++i)
-    EXPECT_EQ(found[i].image.pixels, expected[i].image.pixels) << found[i].name;
+    EXPECT_EQ(values_of(found[i]), values_of(expected[i])) << found[i].name;
 }
 
 // Any byte that is changed, and any end that is missing, is found.

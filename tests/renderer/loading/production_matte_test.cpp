@@ -3,6 +3,7 @@
 #include "renderer/film/film_parts.h"
 #include "renderer/loading/load_scene.h"
 #include "renderer/session/session.h"
+#include "tests/renderer/image/part_values.h"
 #include "tests/renderer/image/scratch_folder.h"
 
 #include <fmt/format.h>
@@ -85,7 +86,7 @@ TEST_F(ProductionMatte, CoverageIsThatOfWhatEachProductionMade) {
     session.render();
     const auto parts = film_parts(session.film(), loaded.scene->names, false);
     ASSERT_EQ(parts.back().name, "crypto_production");
-    pixels[mode] = parts.back().image.pixels;
+    pixels[mode] = values_of(parts.back());
 
     // Ranks by the names of the manifest
     const Names& names = loaded.scene->names.productions;

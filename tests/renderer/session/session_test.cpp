@@ -2,6 +2,7 @@
 
 #include "renderer/film/film_parts.h"
 #include "renderer/film/noise.h"
+#include "tests/renderer/image/part_values.h"
 #include "tests/renderer/session/fake_scene.h"
 
 #include <gtest/gtest.h>
@@ -172,7 +173,7 @@ std::unique_ptr<Scene> scene_with_surfaces(int samples) {
 void expect_same_bits(const Film& a, const Film& b, const SceneNames& names) {
   const auto x = film_parts(a, names, false), y = film_parts(b, names, false);
   ASSERT_EQ(x.size(), y.size());
-  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_TRUE(x[i].image.pixels == y[i].image.pixels) << x[i].name;
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_TRUE(values_of(x[i]) == values_of(y[i])) << x[i].name;
 }
 
 // Interrupts a render after so many samples, and returns its film.
