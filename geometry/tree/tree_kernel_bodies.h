@@ -226,8 +226,8 @@ struct LoosePoints {
 // and those on a lattice.
 struct PackedPoints {
   MERISTEM_INLINE explicit PackedPoints(const PositionView& view)
-      : data(static_cast<const std::uint16_t*>(view.data)), step(splat(view.step)) {
-    const __m128 lanes = _mm_loadu_ps(view.origin);
+      : data(static_cast<const std::uint16_t*>(view.data)), step(splat(view.step())) {
+    const __m128 lanes = _mm_loadu_ps(view.lattice);
     origin = join(lanes, lanes);
   }
   MERISTEM_INLINE F8 pair(std::uint32_t a, std::uint32_t b) const {
