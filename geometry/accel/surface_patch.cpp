@@ -116,10 +116,16 @@ __m128 on_side_of(__m128 shading, __m128 geometric) {
   return is_zero(raised) ? geometric : raised;
 }
 
+// What the tree is built from reads 16 bytes of the last position.
+Tessellation& with_room_behind(Tessellation& t) {
+  t.positions.reserve(t.positions.size() + 1);
+  return t;
+}
+
 }  // namespace
 
 SurfacePatch::SurfacePatch(Tessellation t, bool parallel)
-    : tree_(t, parallel),
+    : tree_(with_room_behind(t), parallel),
       faces_(std::move(static_cast<SurfaceFaces&>(t))),
       vertices_(std::move(t.positions), t.attributes, t.has_uv) {}
 
