@@ -1,6 +1,7 @@
 #include "geometry/cells/surface_vertices.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -35,11 +36,10 @@ SurfaceVertices::SurfaceVertices(std::vector<Vec3f> positions, std::span<const P
                                  bool has_uv)
     : words_a_vertex_(has_uv ? 2 : 1), size_(positions.size()) {
   attributes_.resize(words_a_vertex_ * attributes.size());
-  static_assert(sizeof(PackedAttributes) == 8 && offsetof(PackedAttributes, uv) == 4);
-  if (has_uv)
-    std::memcpy(attributes_.data(), attributes.data(), attributes.size_bytes());
-  else
-    for (std::size_t v = 0; v < attributes.size(); ++v) std::memcpy(&attributes_[v], &attributes[v].normal, 4);
+  for (std::size_t v = 0; v < attributes.size(); ++v)
+    attributes_[words_a_vertex_ * v] = std::bit_cast<std::uint32_t>(attributes[v].normal);
+  for (std::size_t v = 0; has_uv && v < attributes.size(); ++v)
+    attributes_[2 * v + 1] = std::bit_cast<std::uint32_t>(attributes[v].uv);
   if (pack(positions)) return;
   if (positions.capacity() == positions.size() + 1) {
     loose_ = std::move(positions);

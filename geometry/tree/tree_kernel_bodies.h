@@ -45,9 +45,9 @@ MERISTEM_INLINE F8 from_bytes(const std::uint8_t* p) {
 }
 // Four numbers for each half.
 MERISTEM_INLINE F8 from_words(const std::uint16_t* low, const std::uint16_t* high) {
-  const __m128d first = _mm_load_sd(reinterpret_cast<const double*>(low));
-  const __m128d both = _mm_loadh_pd(first, reinterpret_cast<const double*>(high));
-  return _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_castpd_si128(both)));
+  const __m128 first = _mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(low)));
+  const __m128 both = _mm_loadh_pi(first, reinterpret_cast<const __m64*>(high));
+  return _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_castps_si128(both)));
 }
 template <int I>
 MERISTEM_INLINE F8 lane(__m128 a) {
