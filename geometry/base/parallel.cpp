@@ -70,6 +70,14 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
 #endif
 }
 
+void parallel_for_under_lock(std::size_t count, const std::function<void(std::size_t)>& body) {
+#ifdef MERISTEM_TSAN
+  parallel_for(count, body);
+#else
+  tbb::this_task_arena::isolate([&] { parallel_for(count, body); });
+#endif
+}
+
 void run_isolated(const std::function<void()>& f) {
   thread_local tbb::task_arena arena(1);
   arena.execute(f);

@@ -28,6 +28,9 @@ void run_threads(int n, const std::function<void(int thread_index)>& work);
 // Runs body(i) for i in [0, count) on TBB; the order is unspecified. Exceptions propagate.
 void parallel_for(std::size_t count, const std::function<void(std::size_t i)>& body);
 
+// The same for a caller that holds a lock: while it waits it takes up nothing else, which might ask for that lock.
+void parallel_for_under_lock(std::size_t count, const std::function<void(std::size_t i)>& body);
+
 // Runs f in a TBB arena that holds the calling thread alone: what f commits to Embree is built by this thread, and no
 // outer task is picked up while it waits. Safe to nest under a ray (a thread never waits for another here).
 void run_isolated(const std::function<void()>& f);

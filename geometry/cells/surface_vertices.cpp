@@ -34,7 +34,7 @@ __m128 lanes_of(const Vec3f& p) { return _mm_setr_ps(p.x, p.y, p.z, 0); }
 
 SurfaceVertices::SurfaceVertices(std::vector<Vec3f> positions, std::span<const PackedAttributes> attributes,
                                  bool has_uv)
-    : words_a_vertex_(has_uv ? 2 : 1), size_(positions.size()) {
+    : bounds_(bounds_of(positions)), words_a_vertex_(has_uv ? 2 : 1), size_(positions.size()) {
   attributes_.resize(words_a_vertex_ * attributes.size());
   for (std::size_t v = 0; v < attributes.size(); ++v)
     attributes_[words_a_vertex_ * v] = std::bit_cast<std::uint32_t>(attributes[v].normal);
@@ -52,10 +52,9 @@ SurfaceVertices::SurfaceVertices(std::vector<Vec3f> positions, std::span<const P
 
 // False if that would lose anything, be it the sign of a zero.
 bool SurfaceVertices::pack(std::span<const Vec3f> positions) {
-  const Bounds3f bounds = bounds_of(positions);
-  const float step = step_over(bounds);
-  if (bounds.empty() || step == 0) return false;
-  const __m128 origin = lanes_of(bounds.lower), steps = _mm_set1_ps(step), per_step = _mm_set1_ps(1 / step);
+  const float step = step_over(bounds_);
+  if (bounds_.empty() || step == 0) return false;
+  const __m128 origin = lanes_of(bounds_.lower), steps = _mm_set1_ps(step), per_step = _mm_set1_ps(1 / step);
   packed_.resize(3 * positions.size() + 1);
   for (std::size_t v = 0; v < positions.size(); ++v) {
     const __m128 p = lanes_of(positions[v]);
@@ -69,16 +68,8 @@ bool SurfaceVertices::pack(std::span<const Vec3f> positions) {
     const auto three = std::uint64_t(_mm_cvtsi128_si64(_mm_packus_epi32(numbers, numbers)));
     std::memcpy(&packed_[3 * v], &three, sizeof three);  // and what the next one overwrites
   }
-  lattice_origin_ = bounds.lower;
   lattice_step_ = step;
   return true;
-}
-
-Bounds3f SurfaceVertices::bounds() const {
-  const PositionView all = positions();
-  Bounds3f bounds;
-  for (std::size_t v = 0; v < size_; ++v) bounds.extend(all[v]);
-  return bounds;
 }
 
 std::size_t SurfaceVertices::bytes() const {
@@ -86,7 +77,7 @@ std::size_t SurfaceVertices::bytes() const {
 }
 
 void SurfaceVertices::set_layout(const Layout& layout) {
-  lattice_origin_ = layout.lattice_origin;
+  bounds_ = layout.bounds;
   lattice_step_ = layout.lattice_step;
   words_a_vertex_ = layout.words_a_vertex;
   size_ = layout.size;

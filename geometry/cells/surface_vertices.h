@@ -26,21 +26,21 @@ class SurfaceVertices {
   std::size_t size() const { return size_; }
   bool has_uv() const { return words_a_vertex_ == 2; }
   PositionView positions() const {
-    return is_packed() ? PositionView(packed_.data(), lattice_origin_, lattice_step_) : PositionView(loose_.data());
+    return is_packed() ? PositionView(packed_.data(), bounds_.lower, lattice_step_) : PositionView(loose_.data());
   }
   // The normal, and behind it u, v if there are any.
   const std::uint32_t* attributes(std::size_t vertex) const { return &attributes_[words_a_vertex_ * vertex]; }
-  Bounds3f bounds() const;
+  const Bounds3f& bounds() const { return bounds_; }
   std::size_t bytes() const;  // beside itself
 
   // What is no array, for files.
   struct Layout {
-    Vec3f lattice_origin;
+    Bounds3f bounds;
     float lattice_step;
     std::uint32_t words_a_vertex;
     std::uint64_t size;
   };
-  Layout layout() const { return {lattice_origin_, lattice_step_, words_a_vertex_, size_}; }
+  Layout layout() const { return {bounds_, lattice_step_, words_a_vertex_, size_}; }
   void set_layout(const Layout& layout);
   // Calls visit(array, i) for each of its arrays, from number `first` on. Files may end behind their last number.
   static constexpr std::size_t arrays = 3;
@@ -57,7 +57,7 @@ class SurfaceVertices {
   std::vector<Vec3f> loose_;
   std::vector<std::uint16_t> packed_;
   std::vector<std::uint32_t> attributes_;
-  Vec3f lattice_origin_;
+  Bounds3f bounds_;         // of the positions; the lattice begins at its lower corner
   float lattice_step_ = 0;  // 0: not packed
   std::uint32_t words_a_vertex_ = 2;
   std::uint64_t size_ = 0;

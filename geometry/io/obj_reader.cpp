@@ -1,5 +1,7 @@
 #include "geometry/io/obj_reader.h"
 
+#include "geometry/base/srgb.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -68,7 +70,7 @@ class Reader {
     }
     if (count == 3 && mesh_.colors.size() + 1 == mesh_.positions.size()) {
       Vec3f color;
-      for (int i = 0; i < 3; ++i) color[i] = linear_of_srgb(std::clamp(number[i], 0.0, 1.0));
+      for (int i = 0; i < 3; ++i) color[i] = float(linear_of_srgb(std::clamp(number[i], 0.0, 1.0)));
       mesh_.colors.push_back(color);
     }
     at_ = start;

@@ -1,5 +1,7 @@
 #include "geometry/io/ply_reader.h"
 
+#include "geometry/base/srgb.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -248,7 +250,8 @@ class Reader {
       if (type >= Type::Float)
         result[i] = float(std::max(value(use), 0.0));
       else
-        result[i] = linear_of_srgb(std::clamp(value(use) / (std::exp2(8.0 * double(bytes_of(type))) - 1), 0.0, 1.0));
+        result[i] =
+            float(linear_of_srgb(std::clamp(value(use) / (std::exp2(8.0 * double(bytes_of(type))) - 1), 0.0, 1.0)));
     }
     return result;
   }

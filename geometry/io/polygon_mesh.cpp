@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace meristem {
 
@@ -45,10 +44,6 @@ std::optional<PolygonMesh::Conflict> PolygonMesh::first_conflict() const {
       first =
           Conflict{sides[i].face, sides[i - 1].face, std::uint32_t(sides[i].edge >> 32), std::uint32_t(sides[i].edge)};
   return first;
-}
-
-float linear_of_srgb(double encoded) {
-  return float(encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4));
 }
 
 }  // namespace meristem

@@ -45,7 +45,4 @@ struct PolygonMesh {
   std::optional<Conflict> first_conflict() const;
 };
 
-// Of a channel of 8 bits, from 0 to 1: sRGB, as mesh files have colours.
-float linear_of_srgb(double encoded);
-
 }  // namespace meristem

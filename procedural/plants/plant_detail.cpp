@@ -106,13 +106,13 @@ double kept_share(const WeberPennParameters& p, int level, double footprint) {
   return KeptShares(p, footprint).of(level);
 }
 
-KeptShares::KeptShares(const WeberPennParameters& p, double footprint)
-    : footprint_(footprint), shares_(std::size_t(p.levels) + 1, 1.0) {
+KeptShares::KeptShares(const WeberPennParameters& p, double footprint) : footprint_(footprint) {
+  shares_.fill(1);
   if (footprint <= 0) return;
   const double card = smallest_card * footprint / leaf_length(p);
   const double table = degradation::leaf_points(degradation::effective_range(footprint), 200);
   const double share = std::min(table, p.leaf_scale_x / (card * card));
-  shares_.back() = std::clamp(share, std::min(1.0, fewest_leaves / expected_leaves(p)), 1.0);
+  shares_[std::size_t(p.levels)] = std::clamp(share, std::min(1.0, fewest_leaves / expected_leaves(p)), 1.0);
   for (int level = p.levels; --level > 0;) {
     // Whole stems are left out only where children are, even if none ever bears as many as are wanted on those that
     // stay

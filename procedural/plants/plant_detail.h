@@ -10,7 +10,7 @@
 
 #include "procedural/plants/stem_mesh.h"
 
-#include <vector>
+#include <array>
 
 namespace meristem {
 
@@ -48,7 +48,7 @@ class KeptShares {
 
  private:
   double footprint_;
-  std::vector<double> shares_;
+  std::array<double, most_stem_levels + 1> shares_;
 };
 
 // Of a stem of that level and base radius, with segments of that length, where a pixel is `footprint` metres wide; 0:

@@ -108,8 +108,6 @@ void check(Params& params, const WeberPennParameters& p) {
   if (!(checked_leaf_length(p) < 100)) params.error("leaf_scale", "the leaves are longer than 100 m");
 }
 
-constexpr int most_levels = 6;
-
 }  // namespace
 
 const std::vector<std::string>& crown_shape_names() {
@@ -162,7 +160,7 @@ WeberPennParameters read_weber_penn(Params& params) {
   const int species = params.choice("species", 0, names, "whose values stand where the scene says nothing else");
   WeberPennParameters p = plant_species()[std::size_t(species)].parameters;
   p.shape = params.choice("shape", p.shape, crown_shape_names(), "of the crown: how long branches are by height");
-  p.levels = params.integer("levels", p.levels, {1, most_levels, ""}, "of stems, the trunk included");
+  p.levels = params.integer("levels", p.levels, {1, most_stem_levels, ""}, "of stems, the trunk included");
   p.lobes = params.integer("lobes", p.lobes, {0, 100, ""}, "bulges around the trunk");
   p.base_splits = params.integer("base_splits", p.base_splits, {0, 5, ""}, "clones above the trunk's first segment");
   for (const TreeField& f : tree_fields) p.*f.member = params.real(f.name, p.*f.member, f.range, f.doc);

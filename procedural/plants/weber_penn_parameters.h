@@ -33,6 +33,8 @@ struct PlantLevel {
   double branches = 0;                      // most children of a parent of that level; negative: a fan at its end
 };
 
+constexpr int most_stem_levels = 6;
+
 struct WeberPennParameters {
   int shape = 7;  // a crown shape
   double base_size = 0.4, scale = 13, scale_v = 3, z_scale = 1, z_scale_v = 0;

@@ -225,8 +225,7 @@ const std::vector<Bounds3f>& Scatter::variant_bounds(const SeenAs& seen_as) cons
   if (const auto known = variant_bounds_.find(seen_as); known != variant_bounds_.end()) return known->second;
   const ConstantFootprint footprint(size_of_step(seen_as.step), seen_as.fades);
   std::vector<Bounds3f> bounds(choices_.size() * std::size_t(settings_.variants));
-  // Others wait for them meanwhile: they may help
-  parallel_for(bounds.size(), [&](std::size_t kind) {
+  parallel_for_under_lock(bounds.size(), [&](std::size_t kind) {
     const Part& part = *choices_[kind / std::size_t(settings_.variants)].part;
     Placement p;
     p.individual = variant(int(kind % std::size_t(settings_.variants)));

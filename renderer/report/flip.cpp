@@ -1,5 +1,6 @@
 #include "renderer/report/flip.h"
 
+#include "geometry/base/srgb.h"
 #include "geometry/base/vec.h"
 
 #include <fmt/format.h>
@@ -19,8 +20,6 @@ constexpr double color_exponent = 0.7, color_split = 0.4, color_split_error = 0.
 constexpr double feature_width_degrees = 0.082;  // section 4.2
 
 const Vec3d white{0.950428545, 1, 1.088900371};  // D65
-
-double linear_of(double srgb) { return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4); }
 
 Vec3d xyz_of(Vec3d c) {
   return {0.4123866 * c.x + 0.3575915 * c.y + 0.1804505 * c.z, 0.2126368 * c.x + 0.7151830 * c.y + 0.0721802 * c.z,
@@ -138,7 +137,7 @@ Grid<Vec3d> opponent_colors(const Image& image) {
     Vec3d c;
     for (int k = 0; k < 3; ++k) {
       const float v = image.pixels[i * std::size_t(image.channels) + std::size_t(k)];
-      c[k] = linear_of(v > 0 ? std::min(double(v), 1.0) : 0.0);
+      c[k] = linear_of_srgb(v > 0 ? std::min(double(v), 1.0) : 0.0);
     }
     out.values[i] = ycxcz_of(c);
   }
